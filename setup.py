@@ -13,10 +13,10 @@ setup(
     package_data={
         "chord_usd": [
             "py.typed",
-            "scene/*.tsv",
-            "data/*.tsv",
-            "assets/cloth/*.npz",
-            "page/static/*",
+            "base/scene/*.tsv",
+            "workshop/data/*.tsv",
+            "library/cloth/*.npz",
+            "faces/page/static/*",
         ],
         **{name: ["**/*"] for name in SHIPPED},
     },

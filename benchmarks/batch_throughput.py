@@ -24,13 +24,13 @@ from pathlib import Path
 
 from results import write_section
 
-from chord_usd.batch.engine import Engine
-from chord_usd.batch.local import LocalEngine
-from chord_usd.batch.lock import locked
-from chord_usd.batch.make import Make, Maker
-from chord_usd.batch.ray_engine import RayEngine
-from chord_usd.batch.work_units import Order, Unit, list_units
-from chord_usd.pipeline import Settings
+from chord_usd.faces.batch.engine import Engine
+from chord_usd.faces.batch.local import LocalEngine
+from chord_usd.faces.batch.lock import locked
+from chord_usd.faces.batch.make import Make, Maker
+from chord_usd.faces.batch.ray_engine import RayEngine
+from chord_usd.faces.batch.work_units import Order, Unit, list_units
+from chord_usd.line.pipeline import Settings
 
 
 @dataclass(frozen=True)

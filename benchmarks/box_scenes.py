@@ -2,8 +2,8 @@
 
     python benchmarks/box_scenes.py ROOMS.jsonl.gz [--kind living] [--rooms 300] [--paint] [--write]
 
-Rooms of 3D-FRONT (chord_usd.data.threed_front.read_rooms) as they are, and with every box moved and
-turned by noise, as a graph pipeline's samples would be: each row before and after
+Rooms of 3D-FRONT (chord_usd.workshop.data.threed_front.read_rooms) as they are, and with every box
+moved and turned by noise, as a graph pipeline's samples would be: each row before and after
 `dataset import --arrange` does its work. --paint: after the layout model has painted over them
 instead, as it paints over lists, read back and nothing arranged. 3D-FRONT's terms forbid commercial
 use: it is measured here, and nothing of it is kept.
@@ -21,15 +21,15 @@ from pathlib import Path
 import numpy as np
 from results import write_section
 
-from chord_usd.data.splits import split_hash
-from chord_usd.data.threed_front import read_rooms
-from chord_usd.evaluation.cases import Case
-from chord_usd.evaluation.layouts import read_back
-from chord_usd.layout.upright import sample_upright
-from chord_usd.metrics.overlap import scene_overlap
-from chord_usd.metrics.rooms import out_of_room
-from chord_usd.pipeline import Settings, arrange_given, draw_plan, load_model
-from chord_usd.scene.types import Item, SceneGraph
+from chord_usd.base.metrics.overlap import scene_overlap
+from chord_usd.base.metrics.rooms import out_of_room
+from chord_usd.base.scene.types import Item, SceneGraph
+from chord_usd.line.layout.upright import sample_upright
+from chord_usd.line.pipeline import Settings, arrange_given, draw_plan, load_model
+from chord_usd.workshop.data.splits import split_hash
+from chord_usd.workshop.data.threed_front import read_rooms
+from chord_usd.workshop.evaluation.cases import Case
+from chord_usd.workshop.evaluation.layouts import read_back
 
 NOISES = ((0.0, 0.0), (0.1, 5.0), (0.3, 15.0))
 """Standard deviations of each box: metres along x and y, degrees."""

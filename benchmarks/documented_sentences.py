@@ -19,12 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd.data.floorplans.programme import spread_room_count
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import ChordError
-from chord_usd.pipeline import Settings, generate, load_models
-from chord_usd.pipeline.edit_house import edit
-from chord_usd.scene.chord_json import write_plan
+from chord_usd.base.errors import ChordError
+from chord_usd.base.scene.chord_json import write_plan
+from chord_usd.line.pipeline import Settings, generate, load_models
+from chord_usd.line.pipeline.edit_house import edit
+from chord_usd.workshop.data.floorplans.programme import spread_room_count
+from chord_usd.workshop.data.houses import random_plan
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ("two_bedrooms.png", "studio.png", "family_house.png", "balcony_flat.json",

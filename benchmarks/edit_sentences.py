@@ -28,12 +28,12 @@ sys.path.insert(0, str(ROOT))  # tests
 from pxr import Sdf  # noqa: E402
 from results import write_section  # noqa: E402
 
-from chord_usd.errors import ChordError  # noqa: E402
-from chord_usd.pipeline import dress_rooms, read_scene_file, settle, write_stage  # noqa: E402
-from chord_usd.pipeline.edit_house import Reading, edit  # noqa: E402
-from chord_usd.pipeline.settings import Settings  # noqa: E402
-from chord_usd.scene.styles import style_named  # noqa: E402
-from chord_usd.stage.refurnish import StagedHouse, read_house  # noqa: E402
+from chord_usd.base.errors import ChordError  # noqa: E402
+from chord_usd.base.scene.styles import style_named  # noqa: E402
+from chord_usd.line.pipeline import dress_rooms, read_scene_file, settle, write_stage  # noqa: E402
+from chord_usd.line.pipeline.edit_house import Reading, edit  # noqa: E402
+from chord_usd.line.pipeline.settings import Settings  # noqa: E402
+from chord_usd.line.stage.edit.refurnish import StagedHouse, read_house  # noqa: E402
 from tests.house_facts import Facts  # noqa: E402
 
 FIXTURES = ROOT / "tests" / "fixtures"
@@ -68,7 +68,7 @@ def main() -> None:
 
 def _dressed(folder: Path, style: str) -> Path:
     """A stage of the test's house, dressed and with its own meshes."""
-    from chord_usd.assets.database import load_database
+    from chord_usd.library.database import load_database
 
     settings = Settings(style=style, texture_px=256)
     graph = settle(read_scene_file(FIXTURES / "furnished_house.json", settings), settings)

@@ -3,9 +3,9 @@
     python benchmarks/exchange_round_trip.py [--count 50] [--flats FILE.jsonl.gz] [--authored]
 
 Procedural plans of the test split, and as many real flats where a file of them is given
-(chord_usd.data.flats). Each becomes a stage without furniture, the stage a file, and the file a
-plan again, which is compared with the first. --authored: whole stages, not only what a plan is read
-from, which takes twice as long.
+(chord_usd.workshop.data.flats). Each becomes a stage without furniture, the stage a file, and the
+file a plan again, which is compared with the first. --authored: whole stages, not only what a plan
+is read from, which takes twice as long.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ sys.path.insert(0, str(ROOT))  # tests
 
 from results import write_section  # noqa: E402
 
-from chord_usd.evaluation.cases import Case, flat_cases, procedural_cases  # noqa: E402
-from chord_usd.plan.vector.assemble import assemble  # noqa: E402
-from chord_usd.plan.vector.formats import read_drawings  # noqa: E402
-from chord_usd.runtime.stages import open_known  # noqa: E402
-from chord_usd.stage.author import author_stage  # noqa: E402
-from chord_usd.stage.exchange.dxf_drawing import write_dxf  # noqa: E402
-from chord_usd.stage.exchange.ifc_model import write_ifc  # noqa: E402
+from chord_usd.base.runtime.stages import open_known  # noqa: E402
+from chord_usd.line.plan.vector.assemble import assemble  # noqa: E402
+from chord_usd.line.plan.vector.formats import read_drawings  # noqa: E402
+from chord_usd.line.stage.author.author_stage import author_stage  # noqa: E402
+from chord_usd.line.stage.export.exchange.dxf_drawing import write_dxf  # noqa: E402
+from chord_usd.line.stage.export.exchange.ifc_model import write_ifc  # noqa: E402
+from chord_usd.workshop.evaluation.cases import Case, flat_cases, procedural_cases  # noqa: E402
 from tests.bare_stage import write_bare_stage  # noqa: E402
 from tests.plan_alike import Likeness, likeness  # noqa: E402
 

@@ -14,13 +14,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from results import write_section
 
-from chord_usd.assets.database import AssetDatabase, embedded_assets
-from chord_usd.assets.furniture.catalogue import designs
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.graph.fit import fitted_box
-from chord_usd.scene.palette import HOUSE_CATEGORIES, TABLE_CATEGORIES, category
-from chord_usd.scene.types import Item
+from chord_usd.base.scene.palette import HOUSE_CATEGORIES, TABLE_CATEGORIES, category
+from chord_usd.base.scene.types import Item
+from chord_usd.library.database import AssetDatabase, embedded_assets
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.line.graph.fit import fitted_box
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 NEAR_M = 0.05 + 1e-6
 """Retrieval misses by at most this (and a rounding error)..."""

@@ -23,8 +23,8 @@ from results import write_section
 
 ROOT = Path(__file__).parents[1]
 IMPORTS = (
-    "onnxruntime, chord_usd.plan.read, chord_usd.layout.sample, chord_usd.graph.extract, "
-    "chord_usd.assets.database, chord_usd.stage.author"
+    "onnxruntime, chord_usd.line.plan.read, chord_usd.line.layout.sample, chord_usd.line.graph."
+    "extract, chord_usd.library.database, chord_usd.line.stage.author.author_stage"
 )
 
 

@@ -15,10 +15,10 @@ import cv2
 import torch
 from results import write_section
 
-from chord_usd.evaluation.detector_cases import Case, clean_cases
-from chord_usd.graph.colours import read_pixels
-from chord_usd.graph.detect import load_item_detector, load_room_segmenter
-from chord_usd.graph.extract import extract_graph
+from chord_usd.line.graph.colours import read_pixels
+from chord_usd.line.graph.detect import load_item_detector, load_room_segmenter
+from chord_usd.line.graph.extract import extract_graph
+from chord_usd.workshop.evaluation.detector_cases import Case, clean_cases
 
 
 def main() -> None:

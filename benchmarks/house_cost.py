@@ -18,9 +18,9 @@ from time import perf_counter
 
 from results import write_section
 
-from chord_usd.image.options import QUALITIES, RenderOptions
-from chord_usd.image.render import render_stage
-from chord_usd.image.stage_cameras import read_views
+from chord_usd.line.image.options import QUALITIES, RenderOptions
+from chord_usd.line.image.render import render_stage
+from chord_usd.line.image.stage_cameras import read_views
 
 
 def main() -> None:

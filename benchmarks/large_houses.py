@@ -17,12 +17,11 @@ from pathlib import Path
 import numpy as np
 from results import write_section
 
-from chord_usd.metrics.scores import score_scenes
-from chord_usd.pipeline import Models, Settings, generate, load_models
-from chord_usd.runtime.progress import Progress, Stopwatch
-from chord_usd.scene.chord_json import write_plan
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import (
+from chord_usd.base.metrics.scores import score_scenes
+from chord_usd.base.runtime.progress import Progress, Stopwatch
+from chord_usd.base.scene.chord_json import write_plan
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import (
     WALL_THICKNESS_M,
     Box,
     Opening,
@@ -32,7 +31,8 @@ from chord_usd.scene.types import (
     RoomKind,
     frozen_array,
 )
-from chord_usd.stage.check import check_stage
+from chord_usd.line.pipeline import Models, Settings, generate, load_models
+from chord_usd.line.stage.check.check_stage import check_stage
 
 ROOMS = (10, 20, 40, 60, 120)
 ROOMS_PER_WING = 20

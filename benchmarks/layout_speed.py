@@ -16,15 +16,15 @@ import numpy as np
 import torch
 from results import write_section
 
-from chord_usd.data.houses import random_plan
-from chord_usd.data.splits import TEST_SEED
-from chord_usd.layout.checkpoint import load_checkpoint
-from chord_usd.layout.sample import LayoutModel
-from chord_usd.layout.torch_denoiser import TorchDenoiser
-from chord_usd.raster.canvas import draw_plan
-from chord_usd.runtime.locations import checkpoint_folder
-from chord_usd.runtime.networks import usable_cores
-from chord_usd.scene.types import PlanImage
+from chord_usd.base.raster.canvas import draw_plan
+from chord_usd.base.runtime.locations import checkpoint_folder
+from chord_usd.base.runtime.networks import usable_cores
+from chord_usd.base.scene.types import PlanImage
+from chord_usd.line.layout.checkpoint import load_checkpoint
+from chord_usd.line.layout.sample import LayoutModel
+from chord_usd.line.layout.torch_denoiser import TorchDenoiser
+from chord_usd.workshop.data.houses import random_plan
+from chord_usd.workshop.data.splits import TEST_SEED
 
 REPEATS = 5
 

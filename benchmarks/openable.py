@@ -22,14 +22,14 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 from results import write_section
 
-from chord_usd.assets.component import write_component
-from chord_usd.assets.furniture.catalogue import designs
-from chord_usd.assets.links import opens
-from chord_usd.assets.material import MapShelf
-from chord_usd.assets.model import Design
-from chord_usd.assets.surface_maps import MAPS_FOLDER
-from chord_usd.scene.articulation import ARTICULATION, JOINTED
-from chord_usd.stage.export import export_stage
+from chord_usd.base.scene.articulation import ARTICULATION, JOINTED
+from chord_usd.library.component import write_component
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.kit.links import opens
+from chord_usd.library.kit.model import Design
+from chord_usd.library.material import MapShelf
+from chord_usd.library.surfaces.surface_maps import MAPS_FOLDER
+from chord_usd.line.stage.export.export_stage import export_stage
 
 STEP_S, REST_S, PULL_S, MOST_S = 1 / 250, 2.0, 1.0, 6.0
 _MAP_PX = 16

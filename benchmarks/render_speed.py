@@ -30,14 +30,14 @@ import numpy as np
 from PIL import Image
 from results import write_section
 
-from chord_usd.image.blender import run_blender
-from chord_usd.image.exr import read_exr, write_exr
-from chord_usd.image.job import COLOUR_FILE, PICTURE_FILE, Job, Negative, Quality
-from chord_usd.image.joined import joined_rooms
-from chord_usd.image.options import QUALITIES
-from chord_usd.image.stage_cameras import read_views
-from chord_usd.runtime.files import hash_file
-from chord_usd.scene.types import FloatArray
+from chord_usd.base.runtime.files import hash_file
+from chord_usd.base.scene.types import FloatArray
+from chord_usd.line.image.blender import run_blender
+from chord_usd.line.image.exr import read_exr, write_exr
+from chord_usd.line.image.job import COLOUR_FILE, PICTURE_FILE, Job, Negative, Quality
+from chord_usd.line.image.joined import joined_rooms
+from chord_usd.line.image.options import QUALITIES
+from chord_usd.line.image.stage_cameras import read_views
 
 GOAL_DB = 35.0
 FURTHER_DB = 36.0

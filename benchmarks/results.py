@@ -10,7 +10,7 @@ from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
-from chord_usd.runtime.files import write_atomic
+from chord_usd.base.runtime.files import write_atomic
 
 RESULTS = Path(__file__).with_name("RESULTS.md")
 _TITLE = "# Benchmarks\n\nMade by the scripts in this folder; run them again on your machine.\n"

@@ -18,14 +18,14 @@ from pathlib import Path
 import numpy as np
 from results import write_section
 
-from chord_usd import pipeline
-from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.arrange.rules import RULES, arrange
-from chord_usd.evaluation.cases import Case, flat_cases, procedural_cases
-from chord_usd.evaluation.layouts import Furnished, Sampling, sampled
-from chord_usd.metrics.scores import SceneScores, score_scene
-from chord_usd.pipeline.redraw import Draw, arrange_drawn
-from chord_usd.scene.types import LayoutImage, Plan, SceneGraph
+from chord_usd.base.metrics.scores import SceneScores, score_scene
+from chord_usd.base.scene.types import LayoutImage, Plan, SceneGraph
+from chord_usd.line import pipeline
+from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.arrange.rules import RULES, arrange
+from chord_usd.line.pipeline.redraw import Draw, arrange_drawn
+from chord_usd.workshop.evaluation.cases import Case, flat_cases, procedural_cases
+from chord_usd.workshop.evaluation.layouts import Furnished, Sampling, sampled
 
 BUILDING: Mapping[str, Callable[[SceneGraph], SceneGraph]] = {
     "what stands in the way left out": lambda graph: arrange_drawn(graph, Draw()),

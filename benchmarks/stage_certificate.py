@@ -21,15 +21,15 @@ from typing import Any
 import numpy as np
 from results import write_section
 
-from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.arrange.rules import arrange
-from chord_usd.data.floorplans.programme import spread_room_count
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.pipeline import Models, Settings, lay_tables, load_models, write_stage
-from chord_usd.raster import canvas
-from chord_usd.scene.types import Item, Plan, SceneGraph
-from chord_usd.stage.check import certificate, check_stage
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.types import Item, Plan, SceneGraph
+from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.arrange.rules import arrange
+from chord_usd.line.pipeline import Models, Settings, lay_tables, load_models, write_stage
+from chord_usd.line.stage.check.check_stage import certificate, check_stage
+from chord_usd.workshop.data.floorplans.programme import spread_room_count
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 FAULTS = (
     "errors",

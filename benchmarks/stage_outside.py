@@ -106,7 +106,7 @@ def _opened(stage: Path) -> Path:
     """An override beside a stage in which all pieces are jointed that can be."""
     from pxr import Sdf, Usd
 
-    from chord_usd.scene.articulation import ARTICULATION, JOINTED
+    from chord_usd.base.scene.articulation import ARTICULATION, JOINTED
 
     path = stage.with_name(f"{stage.stem}_jointed.usda")
     path.unlink(missing_ok=True)
@@ -209,7 +209,7 @@ def _stood_in_mujoco(stages: Sequence[Path]) -> Iterator[tuple[str, int, str]]:
     import mujoco
     import numpy as np
 
-    from chord_usd.stage.export import export_stage
+    from chord_usd.line.stage.export.export_stage import export_stage
 
     for stage in stages:
         with tempfile.TemporaryDirectory() as scratch:

@@ -22,12 +22,12 @@ import trimesh
 from pxr import Usd, UsdGeom
 from results import write_section
 
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.graph.match import match_assets
-from chord_usd.pipeline import Settings, dress_rooms, lay_tables, load_models, write_stage
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.export import export_stage
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.line.graph.match import match_assets
+from chord_usd.line.pipeline import Settings, dress_rooms, lay_tables, load_models, write_stage
+from chord_usd.line.stage.export.export_stage import export_stage
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 MIB = 2**20
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)

@@ -29,7 +29,7 @@ import numpy as np
 from results import write_section
 from stage_sizes import mesh_bounds
 
-from chord_usd.stage.export import export_stage
+from chord_usd.line.stage.export.export_stage import export_stage
 
 PATIENCE_S = 300.0
 NEAR_M = 1e-3

@@ -21,14 +21,14 @@ import numpy as np
 from pxr import Usd
 from results import write_section
 
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.scene.stair_elements import StairForm
-from chord_usd.scene.storeys import stack
-from chord_usd.scene.types import FloatArray
-from chord_usd.stage.author import author_levels
-from chord_usd.stage.check_scene import read_storeys
-from chord_usd.stage.export import export_stage
-from chord_usd.stage.stage_levels import levels_of
+from chord_usd.base.scene.stair_elements import StairForm
+from chord_usd.base.scene.storeys import stack
+from chord_usd.base.scene.types import FloatArray
+from chord_usd.line.stage.author.author_stage import author_levels
+from chord_usd.line.stage.author.stage_levels import levels_of
+from chord_usd.line.stage.check.check_scene import read_storeys
+from chord_usd.line.stage.export.export_stage import export_stage
+from chord_usd.workshop.data.storey_houses import random_storeys
 
 _APART = 50_000
 """Seeds of houses begin here, as in storeys_certificate.py."""

@@ -22,13 +22,13 @@ from typing import Any, get_args
 
 import numpy as np
 
-from chord_usd import pipeline
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.pipeline.whole_house import generate_storeys
-from chord_usd.scene.chord_json import json_text, write_plan
-from chord_usd.scene.json_stairs import storeys_to_json
-from chord_usd.scene.stair_elements import StairForm
-from chord_usd.stage.check import check_stage
+from chord_usd.base.scene.chord_json import json_text, write_plan
+from chord_usd.base.scene.json_stairs import storeys_to_json
+from chord_usd.base.scene.stair_elements import StairForm
+from chord_usd.line import pipeline
+from chord_usd.line.pipeline.whole_house import generate_storeys
+from chord_usd.line.stage.check.check_stage import check_stage
+from chord_usd.workshop.data.storey_houses import random_storeys
 
 _APART = 50_000
 """Seeds of houses begin here: those of tests are smaller."""

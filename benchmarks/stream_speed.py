@@ -14,9 +14,9 @@ import cv2
 import numpy as np
 from results import write_section
 
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.raster.canvas import draw_items, draw_plan, fit_frame
+from chord_usd.base.raster.canvas import draw_items, draw_plan, fit_frame
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 
 def main() -> None:

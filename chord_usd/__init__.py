@@ -6,11 +6,11 @@ if TYPE_CHECKING:
     from chord_usd.api import House as House
     from chord_usd.api import generate as generate
     from chord_usd.api import open as open
-    from chord_usd.errors import ChordError as ChordError
+    from chord_usd.base.errors import ChordError as ChordError
 
 __version__ = "0.1.0"
 
-_EXPORTED = {"House": "api", "generate": "api", "open": "api", "ChordError": "errors"}
+_EXPORTED = {"House": "api", "generate": "api", "open": "api", "ChordError": "base.errors"}
 """Names of other modules, by which of them; looked up when they are asked for, so that the command
 line does not wait for them."""
 

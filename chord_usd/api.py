@@ -25,20 +25,20 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from chord_usd.errors import ChordError, RenderError
-from chord_usd.runtime.files import deliver
-from chord_usd.runtime.inputs import refuse_odd_file
-from chord_usd.runtime.locations import absolute
-from chord_usd.runtime.progress import PROGRESS_STYLES, ProgressStyle, Stopwatch, make_reporter
+from chord_usd.base.errors import ChordError, RenderError
+from chord_usd.base.runtime.files import deliver
+from chord_usd.base.runtime.inputs import refuse_odd_file
+from chord_usd.base.runtime.locations import absolute
+from chord_usd.base.runtime.progress import PROGRESS_STYLES, ProgressStyle, Stopwatch, make_reporter
 
 if TYPE_CHECKING:
     from PIL import Image
 
-    from chord_usd.pipeline.settings import Settings
-    from chord_usd.runtime.targets import FolderMode
-    from chord_usd.scene.types import Item, RoomKind
-    from chord_usd.stage.check import Report
-    from chord_usd.stage.exchange.built_house import House as BuiltHouse
+    from chord_usd.base.runtime.targets import FolderMode
+    from chord_usd.base.scene.types import Item, RoomKind
+    from chord_usd.line.pipeline.settings import Settings
+    from chord_usd.line.stage.check.check_stage import Report
+    from chord_usd.line.stage.export.exchange.built_house import House as BuiltHouse
 
 FilePath = str | PathLike[str]
 Quality = Literal["draft", "good", "final"]
@@ -116,14 +116,14 @@ class House:
         a second without Blender; storeys side by side. Raises StageError."""
         from PIL import Image
 
-        from chord_usd.image.preview import storeys_rgb
+        from chord_usd.line.image.preview import storeys_rgb
 
         return Image.fromarray(storeys_rgb([storey.told for storey in self._seen()]))
 
     def check(self) -> Report:
         """What `chord-usd check` measures: `report.holds` is the certificate, `report.collisions`
         and others say what is wrong; paths are prim paths. Raises StageError."""
-        from chord_usd.stage.check import check_stage
+        from chord_usd.line.stage.check.check_stage import check_stage
 
         return check_stage(self.path, own=self._is_as_written())
 
@@ -152,8 +152,8 @@ class House:
         """
         from PIL import Image
 
-        from chord_usd.image.options import QUALITIES, RenderOptions, usual_px
-        from chord_usd.image.render import render_stage
+        from chord_usd.line.image.options import QUALITIES, RenderOptions, usual_px
+        from chord_usd.line.image.render import render_stage
 
         if quality not in QUALITIES:
             raise RenderError(
@@ -197,8 +197,8 @@ class House:
         sampler, 1 to 1000; None takes the checkpoint's own. asset_folders: of further meshes.
         device: auto, cpu or cuda. Raises ChordError, and the stage is as it was.
         """
-        from chord_usd.lists.wishes import read_pieces
-        from chord_usd.pipeline import Settings, one_room
+        from chord_usd.line.lists.wishes import read_pieces
+        from chord_usd.line.pipeline import Settings, one_room
 
         settings = Settings(
             steps=steps, device=device, asset_folders=_folders(asset_folders), style=style,
@@ -233,8 +233,8 @@ class House:
         where a part has no meaning or no place, or makes the house worse, nothing: then it raises
         ChordError.
         """
-        from chord_usd.pipeline import Settings
-        from chord_usd.pipeline.edit_house import edit
+        from chord_usd.line.pipeline import Settings
+        from chord_usd.line.pipeline.edit_house import edit
 
         settings = Settings(asset_folders=_folders(asset_folders), style="")
         watch = _watch(progress)
@@ -252,8 +252,8 @@ class House:
         overwrite: replace what this program wrote into the folder before. Raises OutputError for a
         path of another suffix or one that cannot be written, StageError, MissingExtraError.
         """
-        from chord_usd.commands.paths import output_package
-        from chord_usd.stage.export import export_stage
+        from chord_usd.faces.commands.paths import output_package
+        from chord_usd.line.stage.export.export_stage import export_stage
 
         self._refuse_clash(path, output_package)
         export_stage(self.path, Path(path), target, _mode(overwrite))
@@ -265,8 +265,8 @@ class House:
         overwrite: replace what this program wrote into the folder before. Raises OutputError,
         StageError for a stage with files elsewhere.
         """
-        from chord_usd.commands.paths import output_folder
-        from chord_usd.stage.export import copy_stage
+        from chord_usd.faces.commands.paths import output_folder
+        from chord_usd.line.stage.export.export_stage import copy_stage
 
         self._refuse_clash(folder, output_folder)
         saved = House(copy_stage(self.path, Path(folder), _mode(overwrite)))
@@ -275,8 +275,8 @@ class House:
 
     def _seen(self) -> list[BuiltHouse]:
         """The storeys as the stage has them, the lowest first; read again once it has changed."""
-        from chord_usd.runtime.stages import open_known, open_stage, reading
-        from chord_usd.stage.exchange.built_house import houses_of
+        from chord_usd.base.runtime.stages import open_known, open_stage, reading
+        from chord_usd.line.stage.export.exchange.built_house import houses_of
 
         state = _state(self.path)
         if self._read is None or state is None or self._read[0] != state:
@@ -294,9 +294,9 @@ class House:
 
     def _camera(self, view: str) -> str:
         """The camera that is meant. Raises RenderError."""
-        from chord_usd.image.options import RenderOptions
-        from chord_usd.image.render import camera_names
-        from chord_usd.pipeline.named_room import named_room
+        from chord_usd.line.image.options import RenderOptions
+        from chord_usd.line.image.render import camera_names
+        from chord_usd.line.pipeline.named_room import named_room
 
         names = camera_names(self.path, RenderOptions())
         if view in names:
@@ -311,7 +311,7 @@ class House:
         return camera_names(self.path, RenderOptions(rooms=(room,)))[0]
 
     def _refuse_clash(self, path: FilePath, role: Any) -> None:
-        from chord_usd.commands.paths import Named, check_named
+        from chord_usd.faces.commands.paths import Named, check_named
 
         check_named([Named("house", self.path, Path), Named("output", Path(path), role)])
 
@@ -356,10 +356,10 @@ def generate(
     What a user should know of the plan is a warning. Raises ChordError (PlanError for a file that
     is no plan, OutputError for a target that cannot be written), and nothing is written.
     """
-    from chord_usd import pipeline
-    from chord_usd.commands.paths import Named, check_named, output_file
-    from chord_usd.lists.wishes import read_furniture
-    from chord_usd.plan.corrections import read_rooms
+    from chord_usd.faces.commands.paths import Named, check_named, output_file
+    from chord_usd.line import pipeline
+    from chord_usd.line.lists.wishes import read_furniture
+    from chord_usd.line.plan.corrections import read_rooms
 
     settings = pipeline.Settings(
         seed=seed, style=style, sky=sky, roof=roof, articulation=articulation, dressing=dressing,
@@ -387,8 +387,8 @@ def _generated(
     plans: Sequence[Path], target: Path, settings: Settings, watch: Stopwatch
 ) -> Sequence[str]:
     """Write a house of one storey or more; returns what a user should know. Raises ChordError."""
-    from chord_usd import pipeline
-    from chord_usd.pipeline.whole_house import generate_storeys, read_storeys, storeys_in
+    from chord_usd.line import pipeline
+    from chord_usd.line.pipeline.whole_house import generate_storeys, read_storeys, storeys_in
 
     if not plans:
         raise ChordError("no plan was given", where="plan", expected="a file, or several")
@@ -420,7 +420,7 @@ class _Folder:
 
 
 def _rooms(house: BuiltHouse) -> Iterator[Room]:
-    from chord_usd.scene.geometry import room_polygon
+    from chord_usd.base.scene.geometry import room_polygon
 
     for room in house.graph.rooms:
         yield Room(

@@ -18,23 +18,23 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from chord_usd import __version__
-from chord_usd.errors import ChordError
-from chord_usd.runtime import interrupts
+from chord_usd.base.errors import ChordError
+from chord_usd.base.runtime import interrupts
 
 if TYPE_CHECKING:
-    from chord_usd.commands.common import Outcome, Parser
-from chord_usd.runtime import console
-from chord_usd.runtime.extras import missing_extra
-from chord_usd.runtime.locations import keep_caches, untrained_in_use, working_folder
-from chord_usd.runtime.offline import stay_offline
-from chord_usd.runtime.progress import held_lines
+    from chord_usd.faces.commands.common import Outcome, Parser
+from chord_usd.base.runtime import console
+from chord_usd.base.runtime.extras import missing_extra
+from chord_usd.base.runtime.locations import keep_caches, untrained_in_use, working_folder
+from chord_usd.base.runtime.offline import stay_offline
+from chord_usd.base.runtime.progress import held_lines
 
 VERBS = (
     "generate", "plan", "layout", "graph", "stage", "render", "batch", "farm", "check", "describe",
     "regenerate", "edit", "export", "diff", "mcp", "serve", "dataset", "train", "evaluate",
     "assets", "looks",
 )  # fmt: skip
-"""Modules of chord_usd.commands, in the order of the line, then the workshop."""
+"""Modules of chord_usd.faces.commands, in the order of the line, then the workshop."""
 
 DONE, NOT_HELD, UNUSABLE = 0, 1, 2
 
@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _answer(words: Sequence[str]) -> int:
-    from chord_usd.commands.paths import check_paths
+    from chord_usd.faces.commands.paths import check_paths
 
     options = build_parser(words).parse_args(words)
     working_folder()
@@ -87,7 +87,7 @@ def _answer(words: Sequence[str]) -> int:
 
 def build_parser(words: Sequence[str] = ()) -> Parser:
     """The whole command line; of words that begin with a verb, what that verb needs."""
-    from chord_usd.commands.common import Parser
+    from chord_usd.faces.commands.common import Parser
 
     parser = Parser(
         prog="chord-usd",
@@ -97,7 +97,7 @@ def build_parser(words: Sequence[str] = ()) -> Parser:
     parser.add_argument("--version", action="version", version=f"chord-usd {__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True, dest="verb")
     for verb in words[:1] if words and words[0] in VERBS else VERBS:
-        import_module(f"chord_usd.commands.{verb}").add(verbs)
+        import_module(f"chord_usd.faces.commands.{verb}").add(verbs)
     return parser
 
 

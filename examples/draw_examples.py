@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd.data.houses import random_plan
-from chord_usd.raster.canvas import draw_plan
-from chord_usd.raster.raster_files import write_raster
-from chord_usd.scene.chord_json import write_plan
+from chord_usd.base.raster.canvas import draw_plan
+from chord_usd.base.raster.raster_files import write_raster
+from chord_usd.base.scene.chord_json import write_plan
+from chord_usd.workshop.data.houses import random_plan
 
 
 @dataclass(frozen=True)

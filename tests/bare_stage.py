@@ -6,8 +6,8 @@ from pathlib import Path
 
 from pxr import Gf, Sdf, Usd, UsdGeom
 
-from chord_usd.scene.types import Plan
-from chord_usd.stage.names import name_rooms
+from chord_usd.base.scene.types import Plan
+from chord_usd.line.stage.author.names import name_rooms
 
 
 def write_bare_stage(plan: Plan, path: Path) -> Path:

@@ -11,15 +11,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from chord_usd.batch.engine import Load, Result, attempt
-from chord_usd.batch.make import STAGE_FILE, Make
-from chord_usd.batch.records import HOUSE_RECORD, Record, files_in, hashes_of, write_record
-from chord_usd.batch.run import Done, run_batch
-from chord_usd.batch.shared import share_files
-from chord_usd.batch.work_units import Order, Unit
-from chord_usd.errors import PlanError
-from chord_usd.pipeline import Settings
-from chord_usd.runtime.files import output_folder
+from chord_usd.base.errors import PlanError
+from chord_usd.base.runtime.files import output_folder
+from chord_usd.faces.batch.engine import Load, Result, attempt
+from chord_usd.faces.batch.make import STAGE_FILE, Make
+from chord_usd.faces.batch.records import HOUSE_RECORD, Record, files_in, hashes_of, write_record
+from chord_usd.faces.batch.run import Done, run_batch
+from chord_usd.faces.batch.shared import share_files
+from chord_usd.faces.batch.work_units import Order, Unit
+from chord_usd.line.pipeline import Settings
 
 FIGURES = {
     "rooms": 1, "furniture": 2, "items": 2, "openings": 1, "m_per_px": 0.04, "holds": True,

@@ -17,7 +17,7 @@ from hypothesis import settings
 from tests.core_packages import core_environment
 
 if TYPE_CHECKING:
-    from chord_usd.scene.types import SceneGraph
+    from chord_usd.base.scene.types import SceneGraph
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # Whoever runs the tests in the background of a script makes them, and all that they start, deaf
@@ -101,6 +101,6 @@ def run_in_blender(
 @pytest.fixture(scope="session")
 def furnished_house() -> SceneGraph:
     """A house of a few rooms with all its furniture, read from a file."""
-    from chord_usd.scene.chord_json import read_scene
+    from chord_usd.base.scene.chord_json import read_scene
 
     return read_scene(Path(__file__).parent / "fixtures" / "furnished_house.json")

@@ -6,7 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable
 
-from chord_usd.assets.model import Design
+from chord_usd.library.kit.model import Design
 
 
 def forms(designs: Iterable[Design]) -> list[list[Design]]:

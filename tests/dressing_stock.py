@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from chord_usd.assets.database import AssetDatabase
-from chord_usd.scene.palette import DRESSING_CATEGORIES, Category
-from chord_usd.scene.types import Asset
+from chord_usd.base.scene.palette import DRESSING_CATEGORIES, Category
+from chord_usd.base.scene.types import Asset
+from chord_usd.library.database import AssetDatabase
 
 CURTAINS_M = {"Open": (0.3, 0.42), "Drawn": (0.6, 0.9, 1.3)}
 RAILS_M = (1.0, 1.4, 1.8, 2.2, 2.6, 3.0, 3.6)

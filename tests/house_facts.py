@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import shapely
 
-from chord_usd.metrics.clear_floor import sides_of
-from chord_usd.scene.geometry import footprint_polygon, front_direction
-from chord_usd.scene.types import Item, SceneGraph
-from chord_usd.scene.units import wrap_deg
+from chord_usd.base.metrics.clear_floor import sides_of
+from chord_usd.base.scene.geometry import footprint_polygon, front_direction
+from chord_usd.base.scene.types import Item, SceneGraph
+from chord_usd.base.scene.units import wrap_deg
 
 OPENINGS = ("window", "door")
 

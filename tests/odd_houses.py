@@ -10,8 +10,8 @@ from math import cos, radians, sin
 from random import Random
 from typing import Any
 
-from chord_usd.scene.palette import HOUSE_CATEGORIES
-from chord_usd.scene.types import ROOM_KINDS
+from chord_usd.base.scene.palette import HOUSE_CATEGORIES
+from chord_usd.base.scene.types import ROOM_KINDS
 
 Corner = list[float]
 Json = dict[str, Any]

@@ -13,12 +13,12 @@ from typing import Any
 import anyio
 from starlette.testclient import TestClient
 
+from chord_usd.base.errors import ChordError
+from chord_usd.base.runtime.verb_calls import Answer, Told
 from chord_usd.cli import build_parser
-from chord_usd.commands.paths import check_paths
-from chord_usd.errors import ChordError
-from chord_usd.page.application import make_application
-from chord_usd.page.gate import COOKIE
-from chord_usd.runtime.verb_calls import Answer, Told
+from chord_usd.faces.commands.paths import check_paths
+from chord_usd.faces.page.application import make_application
+from chord_usd.faces.page.gate import COOKIE
 
 HERE, TOKEN = "http://127.0.0.1:8321", "secret"
 ROOT = Path(__file__).parents[1]

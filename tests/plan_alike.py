@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from shapely.geometry import Polygon
 
-from chord_usd.scene.geometry import footprint, room_polygon
-from chord_usd.scene.types import Opening, Plan
+from chord_usd.base.scene.geometry import footprint, room_polygon
+from chord_usd.base.scene.types import Opening, Plan
 
 _COLLINEAR_M = 1e-3
 """A corner nearer to the line through its neighbours than this is none."""

@@ -11,8 +11,8 @@ import numpy as np
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
-from chord_usd.scene.geometry import footprint, footprint_polygon, polygons_of, wall_area
-from chord_usd.scene.types import Opening, Plan
+from chord_usd.base.scene.geometry import footprint, footprint_polygon, polygons_of, wall_area
+from chord_usd.base.scene.types import Opening, Plan
 
 KINDS = {"door": "Door Swing Beside", "window": "Window Regular", "passage": "Opening"}
 

@@ -8,11 +8,11 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from chord_usd.data.houses import random_plan
-from chord_usd.plan.decode import decode_plan
-from chord_usd.raster import canvas
-from chord_usd.scene.geometry import footprint, footprint_polygon, polygons_of, room_polygon
-from chord_usd.scene.types import BASE_AND_HEIGHT_M, Opening, Plan, RoomKind
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.geometry import footprint, footprint_polygon, polygons_of, room_polygon
+from chord_usd.base.scene.types import BASE_AND_HEIGHT_M, Opening, Plan, RoomKind
+from chord_usd.line.plan.decode import decode_plan
+from chord_usd.workshop.data.houses import random_plan
 
 HALF_PX = 0.5
 SLANTED_PX = 0.8

@@ -5,9 +5,9 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from chord_usd.raster.canvas import draw_plan
-from chord_usd.scene.types import Opening, PixelFrame, Plan
-from chord_usd.scene.units import px_from_m
+from chord_usd.base.raster.canvas import draw_plan
+from chord_usd.base.scene.types import Opening, PixelFrame, Plan
+from chord_usd.base.scene.units import px_from_m
 
 SYMBOLS_M_PER_PX = 0.016
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from PIL import Image
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
-from chord_usd.image.options import RenderOptions
+from chord_usd.line.image.options import RenderOptions
 
 SIZE_PX = (64, 36)
 TINY = RenderOptions(resolution_px=SIZE_PX, samples=4, device="cpu")

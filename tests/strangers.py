@@ -13,8 +13,8 @@ import numpy as np
 from PIL import Image
 from pxr import Sdf
 
-from chord_usd.assets.database import write_index
-from chord_usd.scene.types import Asset
+from chord_usd.base.scene.types import Asset
+from chord_usd.library.database import write_index
 
 SECRET = b"-----BEGIN PRIVATE KEY----- of somebody else"
 

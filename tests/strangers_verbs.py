@@ -9,18 +9,18 @@ from argparse import ArgumentParser, _SubParsersAction
 from collections.abc import Iterator
 from pathlib import Path
 
+from chord_usd.base.raster.raster_files import write_raster
+from chord_usd.base.scene.chord_json import write_plan, write_scene
+from chord_usd.base.scene.types import SceneGraph
 from chord_usd.cli import build_parser
-from chord_usd.commands.paths import (
+from chord_usd.faces.commands.paths import (
     output_file,
     output_folder,
     output_package,
     output_place,
     output_run,
 )
-from chord_usd.pipeline import draw_plan
-from chord_usd.raster.raster_files import write_raster
-from chord_usd.scene.chord_json import write_plan, write_scene
-from chord_usd.scene.types import SceneGraph
+from chord_usd.line.pipeline import draw_plan
 
 INPUTS: dict[str, tuple[str, ...]] = {
     "generate": ("plan.png",),

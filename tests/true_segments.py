@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from chord_usd.data.drawn.truth import CrowdedPage
-from chord_usd.plan.segment import Segments
-from chord_usd.raster.page_labels import BUILT_NAMES, KIND_NAMES, built_of
-from chord_usd.scene.types import ByteArray
+from chord_usd.base.raster.page_labels import BUILT_NAMES, KIND_NAMES, built_of
+from chord_usd.base.scene.types import ByteArray
+from chord_usd.line.plan.segment import Segments
+from chord_usd.workshop.data.drawn.truth import CrowdedPage
 
 
 @dataclass(frozen=True, eq=False)

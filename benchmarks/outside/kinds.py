@@ -64,12 +64,12 @@ KINDS: dict[str, Kind] = {
     ),
     "scene json": Kind(
         ("small.json", "scene.json"),
-        (("call", "chord_usd.scene.chord_json:read_scene", "{in}"),) * 9
+        (("call", "chord_usd.base.scene.chord_json:read_scene", "{in}"),) * 9
         + (("stage", "{in}", "-o", "{out}.usda"),),
     ),
     "layout png": Kind(
         ("layout.png", "plan.png"),
-        (("call", "chord_usd.raster.raster_files:read_layout", "{in}"),) * 9
+        (("call", "chord_usd.base.raster.raster_files:read_layout", "{in}"),) * 9
         + (("graph", "{in}", "-o", "{out}.json"), ("layout", "{in}", "-o", "{out}.png", "--steps",
         "1")),
     ),
@@ -122,7 +122,7 @@ KINDS: dict[str, Kind] = {
     ),
     "flats": Kind(
         ("flats.jsonl", "flats.jsonl.gz"),
-        (("call", "chord_usd.data.flats:read_flats", "{in}"),
+        (("call", "chord_usd.workshop.data.flats:read_flats", "{in}"),
          ("dataset", "import", "{in}", "-o", "{out}")),
     ),
     "foreign": Kind(

@@ -8,7 +8,7 @@ from pathlib import Path
 from random import Random
 
 from chord_usd.cli import build_parser
-from chord_usd.commands.paths import output_file, output_folder, output_place, output_run
+from chord_usd.faces.commands.paths import output_file, output_folder, output_place, output_run
 from outside.mutate import NUMBERS, TEXTS
 
 _PHRASES = (

@@ -14,12 +14,12 @@ import trimesh
 from PIL import Image
 from pxr import Sdf, UsdUtils
 
+from chord_usd.base.raster.canvas import draw_plan, layout_image
+from chord_usd.base.raster.raster_files import write_raster
+from chord_usd.base.scene.chord_json import read_scene, write_plan, write_scene
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import Plan, SceneGraph
 from chord_usd.cli import main
-from chord_usd.raster.canvas import draw_plan, layout_image
-from chord_usd.raster.raster_files import write_raster
-from chord_usd.scene.chord_json import read_scene, write_plan, write_scene
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import Plan, SceneGraph
 from tests import plan_files
 from tests.foreign_records import flat_lines, front_house, procthor_house
 

@@ -10,8 +10,8 @@ import sys
 import traceback
 from pathlib import Path
 
+from chord_usd.base.errors import ChordError
 from chord_usd.cli import main
-from chord_usd.errors import ChordError
 
 
 def serve() -> None:

@@ -20,7 +20,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from chord_usd.runtime.hashes import hash_file
+from chord_usd.base.runtime.hashes import hash_file
 
 CODES = (0, 1, 2)
 LONGEST_S = 60.0

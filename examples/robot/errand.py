@@ -21,7 +21,7 @@ import mujoco
 import numpy as np
 from scipy import ndimage
 
-from chord_usd.stage.export import export_stage
+from chord_usd.line.stage.export.export_stage import export_stage
 
 RADIUS_M, WHEEL_M, TRACK_M = 0.18, 0.06, 0.3
 SPEED_M_PER_S, LOOK_AHEAD_M, THERE_M = 0.6, 0.3, 0.12

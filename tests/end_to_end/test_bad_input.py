@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from chord_usd.raster.canvas import draw_plan
-from chord_usd.raster.raster_files import write_raster
-from chord_usd.scene.chord_json import plan_to_json, write_plan
+from chord_usd.base.raster.canvas import draw_plan
+from chord_usd.base.raster.raster_files import write_raster
+from chord_usd.base.scene.chord_json import plan_to_json, write_plan
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -186,7 +186,7 @@ def _separate_rooms(plan: Any) -> list[Any]:
     """Rooms of an open plan touch; without shading nothing in a picture parts them."""
     import shapely
 
-    from chord_usd.scene.geometry import polygons_of, room_polygon
+    from chord_usd.base.scene.geometry import polygons_of, room_polygon
 
     floors = shapely.unary_union([room_polygon(room).buffer(1e-4) for room in plan.rooms])
     return polygons_of(floors)
@@ -209,7 +209,7 @@ def test_a_missing_checkpoint(tmp_path: Path, furnished_house, run_cli: RunCli) 
 def test_a_target_that_cannot_be_written(
     target: str, tmp_path: Path, furnished_house, run_cli: RunCli
 ) -> None:
-    from chord_usd.scene.chord_json import write_scene
+    from chord_usd.base.scene.chord_json import write_scene
 
     write_scene(furnished_house, tmp_path / "scene.json")
     (tmp_path / "file").write_text("in the way")
@@ -235,7 +235,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 
 def test_a_full_disk(small_disk: Path, tmp_path: Path, furnished_house, run_cli: RunCli) -> None:
-    from chord_usd.scene.chord_json import write_scene
+    from chord_usd.base.scene.chord_json import write_scene
 
     write_scene(furnished_house, tmp_path / "scene.json")
     for output in ("house.usda", "house.usdz"):

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 import torch
 
+from chord_usd.base.runtime.manifest import MANIFEST_FILE
+from chord_usd.base.scene.chord_json import write_scene
+from chord_usd.base.scene.types import SceneGraph
 from chord_usd.cli import DONE, UNUSABLE, main
-from chord_usd.layout.checkpoint import save_checkpoint
-from chord_usd.layout.config import PRESETS
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.runtime.manifest import MANIFEST_FILE
-from chord_usd.scene.chord_json import write_scene
-from chord_usd.scene.types import SceneGraph
+from chord_usd.line.layout.checkpoint import save_checkpoint
+from chord_usd.line.layout.config import PRESETS
+from chord_usd.line.layout.network import LayoutNetwork
 
 TINY = replace(PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16)
 

@@ -27,12 +27,12 @@ from PIL import Image
 from playwright.sync_api import Locator, Page, expect, sync_playwright
 from pxr import Usd
 
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.page.application import make_application
-from chord_usd.runtime.verb_calls import Answer, Told
-from chord_usd.runtime.warm_calls import WarmVerbs
-from chord_usd.scene.chord_json import write_plan
-from chord_usd.scene.types import ByteArray
+from chord_usd.base.runtime.verb_calls import Answer, Told
+from chord_usd.base.runtime.warm_calls import WarmVerbs
+from chord_usd.base.scene.chord_json import write_plan
+from chord_usd.base.scene.types import ByteArray
+from chord_usd.faces.page.application import make_application
+from chord_usd.workshop.data.storey_houses import random_storeys
 
 PLAN = Path(__file__).parents[2] / "examples" / "studio.png"
 QUICK = ("--steps=1", "--redraws=0", "--no-tabletop", "--no-dressing")

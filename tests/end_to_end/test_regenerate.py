@@ -13,13 +13,13 @@ import pytest
 from PIL import Image
 from pxr import Gf, Sdf, Usd
 
-from chord_usd.raster import canvas
-from chord_usd.raster.raster_files import read_layout
-from chord_usd.scene.chord_json import read_scene
-from chord_usd.scene.geometry import footprint_polygon
-from chord_usd.scene.types import Box, Item, SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.refurnish import read_house
+from chord_usd.base.raster import canvas
+from chord_usd.base.raster.raster_files import read_layout
+from chord_usd.base.scene.chord_json import read_scene
+from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.types import Box, Item, SceneGraph
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.edit.refurnish import read_house
 from tests.exit_codes import written
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]

@@ -11,13 +11,13 @@ import pytest
 from PIL import Image
 
 import chord_usd
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.errors import ChordError
-from chord_usd.runtime.json_text import parse_json
-from chord_usd.scene.chord_json import write_plan
-from chord_usd.scene.json_stairs import storeys_from_json
-from chord_usd.scene.storeys import STOREY_M
-from chord_usd.stage.diff import diff_stages
+from chord_usd.base.errors import ChordError
+from chord_usd.base.runtime.json_text import parse_json
+from chord_usd.base.scene.chord_json import write_plan
+from chord_usd.base.scene.json_stairs import storeys_from_json
+from chord_usd.base.scene.storeys import STOREY_M
+from chord_usd.line.stage.read.diff import diff_stages
+from chord_usd.workshop.data.storey_houses import random_storeys
 from tests.exit_codes import written
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.errors import ChordError
-from chord_usd.pipeline import Settings, require_lists
-from chord_usd.scene.chord_json import read_scene
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.author import author_stage
+from chord_usd.base.errors import ChordError
+from chord_usd.base.scene.chord_json import read_scene
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.line.pipeline import Settings, require_lists
+from chord_usd.line.stage.author.author_stage import author_stage
 from tests.exit_codes import written
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]

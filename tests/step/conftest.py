@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import pytest
 from pxr import Gf, Kind, Usd, UsdGeom
 
-from chord_usd.assets.look_library import StyleLooks, style_looks
-from chord_usd.scene.styles import MIXED, style_named
-from chord_usd.scene.types import Asset, Box, Item, Provenance, SceneGraph
-from chord_usd.stage.author import author_stage
+from chord_usd.base.scene.styles import MIXED, style_named
+from chord_usd.base.scene.types import Asset, Box, Item, Provenance, SceneGraph
+from chord_usd.library.looks.look_library import StyleLooks, style_looks
+from chord_usd.line.stage.author.author_stage import author_stage
 
 if TYPE_CHECKING:
     from starlette.testclient import TestClient

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
-from chord_usd.assets.database import build_assets
-from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.cli import main
-from chord_usd.stage.check import check_stage
+from chord_usd.library.database import build_assets
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.line.stage.check.check_stage import check_stage
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "tests" / "fixtures" / "furnished_house.json"

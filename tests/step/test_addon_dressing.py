@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd
 
+from chord_usd.base.scene.chord_json import read_scene, write_scene
+from chord_usd.base.scene.types import Box, Facts, Item
 from chord_usd.cli import main
-from chord_usd.scene.chord_json import read_scene, write_scene
-from chord_usd.scene.types import Box, Facts, Item
-from chord_usd.stage.physics import KG_PER_M3
+from chord_usd.line.stage.author.physics import KG_PER_M3
 
 SCENE = Path(__file__).parents[1] / "fixtures" / "furnished_house.json"
 ROOM = "/House/Rooms/Bedroom_0"

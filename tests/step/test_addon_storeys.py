@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.scene.storeys import stack
-from chord_usd.stage.author import author_levels
-from chord_usd.stage.stage_levels import levels_of
+from chord_usd.base.scene.storeys import stack
+from chord_usd.line.stage.author.author_stage import author_levels
+from chord_usd.line.stage.author.stage_levels import levels_of
+from chord_usd.workshop.data.storey_houses import random_storeys
 
 RunInBlender = Callable[..., dict[str, Any]]
 

@@ -15,13 +15,13 @@ import pytest
 from PIL import Image
 
 import chord_usd
-from chord_usd import pipeline
+from chord_usd.base.runtime.stages import files_of
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import SceneGraph
 from chord_usd.cli import main
-from chord_usd.image import preview
-from chord_usd.runtime.stages import files_of
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.names import name_rooms
+from chord_usd.line import pipeline
+from chord_usd.line.image import preview
+from chord_usd.line.stage.author.names import name_rooms
 
 ROOT = Path(__file__).parents[2]
 SIZE_PX = (64, 36)

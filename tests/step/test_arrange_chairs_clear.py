@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.arrange.chairs_clear import FARTHEST_M, draw_out_chairs
-from chord_usd.arrange.left_askew import RULE as ASKEW
-from chord_usd.arrange.rules import arrange
-from chord_usd.assets.database import load_database
-from chord_usd.graph.match import match_assets
-from chord_usd.metrics.clear_floor import blocked_openings
-from chord_usd.scene.geometry import footprint_polygon
-from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import check_stage
+from chord_usd.base.metrics.clear_floor import blocked_openings
+from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph
+from chord_usd.library.database import load_database
+from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.arrange.chairs_clear import FARTHEST_M, draw_out_chairs
+from chord_usd.line.arrange.left_askew import RULE as ASKEW
+from chord_usd.line.arrange.rules import arrange
+from chord_usd.line.graph.match import match_assets
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_stage import check_stage
 
 ROOM = Room("r", "dining", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]))
 TABLE = Item("table", "dining_table", Box((2.0, 2.0, 0.0), (1.4, 0.85, 0.75), 0.0), "r")

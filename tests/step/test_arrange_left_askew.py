@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.arrange.left_askew import RULE, leave_askew
-from chord_usd.arrange.rules import arrange
-from chord_usd.assets.database import load_database
-from chord_usd.graph.match import match_assets
-from chord_usd.scene.types import Box, Item, Room, SceneGraph
-from chord_usd.scene.units import wrap_deg
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import check_stage
+from chord_usd.base.scene.types import Box, Item, Room, SceneGraph
+from chord_usd.base.scene.units import wrap_deg
+from chord_usd.library.database import load_database
+from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.arrange.left_askew import RULE, leave_askew
+from chord_usd.line.arrange.rules import arrange
+from chord_usd.line.graph.match import match_assets
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_stage import check_stage
 
 ROOM = Room("r", "dining", np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]]))
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
-from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.arrange.off_trim import clear_trim
-from chord_usd.assets.database import load_database
-from chord_usd.graph.match import match_assets
-from chord_usd.scene.trim import boards, casings
-from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import check_stage
+from chord_usd.base.scene.trim import boards, casings
+from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph
+from chord_usd.library.database import load_database
+from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.arrange.off_trim import clear_trim
+from chord_usd.line.graph.match import match_assets
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_stage import check_stage
 
 ROOM = Room("r", "bedroom", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]))
 DOOR = Opening("d", "door", Box((1.0, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("r",))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.arrange.on_walls import REACH_M, hang_on_walls
-from chord_usd.scene.geometry import footprint
-from chord_usd.scene.types import Box, Item, Room, SceneGraph
+from chord_usd.base.scene.geometry import footprint
+from chord_usd.base.scene.types import Box, Item, Room, SceneGraph
+from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.arrange.on_walls import REACH_M, hang_on_walls
 
 ROOM = Room("r", "bedroom", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]))
 

@@ -13,14 +13,14 @@ import pytest
 import trimesh
 from pxr import Usd, UsdGeom, UsdValidation
 
-from chord_usd.assets.database import AssetDatabase, read_index
-from chord_usd.assets.libraries.add import Added, add_library
-from chord_usd.assets.libraries.readers import open_library, read_properties
-from chord_usd.errors import AssetError
-from chord_usd.runtime import archives
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.attribution import attribution_file
-from chord_usd.stage.author import author_stage
+from chord_usd.base.errors import AssetError
+from chord_usd.base.runtime import archives
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.library.database import AssetDatabase, read_index
+from chord_usd.library.libraries.add import Added, add_library
+from chord_usd.library.libraries.readers import open_library, read_properties
+from chord_usd.line.stage.author.attribution import attribution_file
+from chord_usd.line.stage.author.author_stage import author_stage
 
 
 def chair_mesh(scale: float = 1.0) -> trimesh.Trimesh:

@@ -9,9 +9,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from chord_usd.assets.furniture.catalogue import designs
-from chord_usd.assets.model import Design
-from chord_usd.stage.physics import GRAVITY_M_PER_S2, KG_PER_M3
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.kit.model import Design
+from chord_usd.line.stage.author.physics import GRAVITY_M_PER_S2, KG_PER_M3
 
 MOVABLE = [design for design in designs() if design.category in KG_PER_M3]
 STEP_S, SECONDS = 1 / 240, 2.0

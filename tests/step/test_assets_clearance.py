@@ -10,11 +10,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from chord_usd.assets.furniture.catalogue import designs
-from chord_usd.assets.leaf_clearance import CLEAR_M
-from chord_usd.assets.links import Link, links_of, opens
-from chord_usd.assets.model import Design
-from chord_usd.assets.moves import Hinge
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.kit.leaf_clearance import CLEAR_M
+from chord_usd.library.kit.links import Link, links_of, opens
+from chord_usd.library.kit.model import Design
+from chord_usd.library.kit.moves import Hinge
 from tests.design_forms import ends
 
 STEPS = 41

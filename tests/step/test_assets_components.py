@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, UsdValidation
 
-from chord_usd.assets.component import material_path, write_component
-from chord_usd.assets.database import build_assets, load_database, read_index
-from chord_usd.assets.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
-from chord_usd.assets.furniture.catalogue import designs
-from chord_usd.assets.model import Design
-from chord_usd.assets.physical import stuff_of
-from chord_usd.assets.surface_maps import MAPS_FOLDER
-from chord_usd.scene.label_sets import wikidata_item
-from chord_usd.scene.palette import DRESSING_CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
-from chord_usd.scene.types import Asset
-from chord_usd.stage.physics import KG_PER_M3
+from chord_usd.base.scene.label_sets import wikidata_item
+from chord_usd.base.scene.palette import DRESSING_CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
+from chord_usd.base.scene.types import Asset
+from chord_usd.library.component import material_path, write_component
+from chord_usd.library.database import build_assets, load_database, read_index
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.kit.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
+from chord_usd.library.kit.model import Design
+from chord_usd.library.surfaces.physical import stuff_of
+from chord_usd.library.surfaces.surface_maps import MAPS_FOLDER
+from chord_usd.line.stage.author.physics import KG_PER_M3
 from tests.design_forms import ends
 
 DRESSING_NAMES = {row.name for row in DRESSING_CATEGORIES}

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-from chord_usd.assets.dressing import designs
-from chord_usd.assets.dressing.shelves import board_heights_m
-from chord_usd.assets.dressing.wall_pictures import ART_SLOTS
-from chord_usd.assets.model import Design, Part
-from chord_usd.scene.palette import CATEGORIES, Mount, category
-from chord_usd.scene.styles import STYLES
+from chord_usd.base.scene.palette import CATEGORIES, Mount, category
+from chord_usd.base.scene.styles import STYLES
+from chord_usd.library.dressing import designs
+from chord_usd.library.dressing.shelves import board_heights_m
+from chord_usd.library.dressing.wall_pictures import ART_SLOTS
+from chord_usd.library.kit.model import Design, Part
 from tests.design_forms import forms
 from tests.every import for_every
 from tests.whole_meshes import is_manifold, points_differ

@@ -13,13 +13,13 @@ import trimesh
 from shapely import Polygon, union_all
 from trimesh.graph import connected_component_labels
 
-from chord_usd.assets.furniture.catalogue import designs
-from chord_usd.assets.model import Design, Part, fitted
-from chord_usd.assets.solids import box
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import AssetError
-from chord_usd.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level
+from chord_usd.base.errors import AssetError
+from chord_usd.base.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.kit.model import Design, Part, fitted
+from chord_usd.library.kit.solids import box
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 from tests.design_forms import ends
 from tests.every import for_every
 from tests.whole_meshes import is_manifold, points_differ

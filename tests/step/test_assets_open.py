@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdPhysics
 
-from chord_usd.assets.furniture.catalogue import designs
-from chord_usd.assets.links import links_of, opens
-from chord_usd.assets.model import Design, Part, hollow_part, moving_part
-from chord_usd.assets.moves import Slide, door
-from chord_usd.assets.solids import box
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.kit.links import links_of, opens
+from chord_usd.library.kit.model import Design, Part, hollow_part, moving_part
+from chord_usd.library.kit.moves import Slide, door
+from chord_usd.library.kit.solids import box
 from tests.design_forms import forms
 
 ALL_OPEN = (

@@ -10,13 +10,13 @@ import pytest
 from PIL import Image
 from pxr import Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, UsdValidation
 
-from chord_usd.assets.component import write_component
-from chord_usd.assets.furniture.catalogue import designs
-from chord_usd.scene.articulation import ARTICULATION, JOINTED
-from chord_usd.scene.palette import CATEGORIES, Level
-from chord_usd.scene.types import Asset
-from chord_usd.stage.exchange.simready import THUMBNAIL_PX, write_simready
-from chord_usd.stage.physics import usual_mass_kg
+from chord_usd.base.scene.articulation import ARTICULATION, JOINTED
+from chord_usd.base.scene.palette import CATEGORIES, Level
+from chord_usd.base.scene.types import Asset
+from chord_usd.library.component import write_component
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.line.stage.author.physics import usual_mass_kg
+from chord_usd.line.stage.export.exchange.simready import THUMBNAIL_PX, write_simready
 
 NAMES = ("Refrigerator_58x60", "Coffee_Cup", "Cushion_Bolster_42")
 """One that opens, one that people carry, one that has no collider in a house."""

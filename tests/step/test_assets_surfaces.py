@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdShade
 
-from chord_usd.assets.component import write_component
-from chord_usd.assets.drawn import DrawnFinishes
-from chord_usd.assets.finishes import FINISHES, PLAIN
-from chord_usd.assets.furniture.catalogue import designs
-from chord_usd.assets.look_noise import normal_map
-from chord_usd.assets.model import Design
-from chord_usd.assets.shading import corner_uvs_m
-from chord_usd.assets.solids import block, cylinder
-from chord_usd.assets.surface_maps import (
+from chord_usd.base.errors import AssetError
+from chord_usd.library.component import write_component
+from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.kit.model import Design
+from chord_usd.library.kit.shading import corner_uvs_m
+from chord_usd.library.kit.solids import block, cylinder
+from chord_usd.library.looks.look_noise import normal_map
+from chord_usd.library.surfaces.drawn import DrawnFinishes
+from chord_usd.library.surfaces.finishes import FINISHES, PLAIN
+from chord_usd.library.surfaces.surface_maps import (
     MAPS_FOLDER,
     SURFACES,
     colour_map,
@@ -26,8 +27,7 @@ from chord_usd.assets.surface_maps import (
     map_files,
     pattern_of,
 )
-from chord_usd.errors import AssetError
-from chord_usd.stage.packages import Packages
+from chord_usd.line.stage.export.packages import Packages
 from tests.design_forms import forms
 from tests.every import for_every
 

@@ -14,10 +14,10 @@ from typing import Any
 import batch_makers as makers
 import pytest
 
-from chord_usd.batch.local import LocalEngine
-from chord_usd.batch.run import run_batch
-from chord_usd.errors import OutputError
-from chord_usd.runtime.manifest import MANIFEST_FILE
+from chord_usd.base.errors import OutputError
+from chord_usd.base.runtime.manifest import MANIFEST_FILE
+from chord_usd.faces.batch.local import LocalEngine
+from chord_usd.faces.batch.run import run_batch
 
 
 @pytest.fixture
@@ -74,8 +74,8 @@ import sys, signal
 from pathlib import Path
 sys.path.insert(0, {str(Path(__file__).parents[1])!r})
 import batch_makers as makers
-from chord_usd.batch.local import LocalEngine
-from chord_usd.batch.run import run_batch
+from chord_usd.faces.batch.local import LocalEngine
+from chord_usd.faces.batch.run import run_batch
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
 folder = Path(sys.argv[1])

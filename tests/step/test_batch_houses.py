@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.stage.check import check_stage
+from chord_usd.line.stage.check.check_stage import check_stage
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 QUICK = ["--no-tabletop", "--workers", "1", "--json"]

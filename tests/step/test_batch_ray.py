@@ -13,11 +13,11 @@ from pathlib import Path
 import batch_makers as makers
 import pytest
 
-from chord_usd.batch import ray_engine
-from chord_usd.batch.ray_engine import RayEngine
-from chord_usd.batch.run import Done, run_batch
-from chord_usd.batch.work_units import Unit
-from chord_usd.errors import ChordError
+from chord_usd.base.errors import ChordError
+from chord_usd.faces.batch import ray_engine
+from chord_usd.faces.batch.ray_engine import RayEngine
+from chord_usd.faces.batch.run import Done, run_batch
+from chord_usd.faces.batch.work_units import Unit
 
 ray = pytest.importorskip("ray", reason="the extra ray is not installed")
 

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from batch_makers import FIGURES
 
-from chord_usd.batch.make import SCENE_FILE
-from chord_usd.batch.records import HOUSE_RECORD, Record, files_in, hashes_of, write_record
-from chord_usd.batch.release import require_own, write_release
-from chord_usd.data.foreign import Models, foreign_houses
-from chord_usd.errors import OutputError
-from chord_usd.scene.chord_json import write_scene
-from chord_usd.scene.types import SceneGraph
+from chord_usd.base.errors import OutputError
+from chord_usd.base.scene.chord_json import write_scene
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.faces.batch.make import SCENE_FILE
+from chord_usd.faces.batch.records import HOUSE_RECORD, Record, files_in, hashes_of, write_record
+from chord_usd.faces.batch.release import require_own, write_release
+from chord_usd.workshop.data.foreign import Models, foreign_houses
 
 NAMES = [f"house_{number:06d}" for number in range(12)]
 COLLIDES = NAMES[3]

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 import torch
 
+from chord_usd.base.errors import CheckpointError
 from chord_usd.cli import main
-from chord_usd.errors import CheckpointError
-from chord_usd.lists import pieces
-from chord_usd.lists.list_sampler import Subject
-from chord_usd.lists.pieces import PIECES
-from chord_usd.training.boxes_data import elements_of, slots_of
-from chord_usd.training.boxes_network import NOISE_STEPS, BoxNetwork, Surroundings
-from chord_usd.training.boxes_sampler import load_boxes
-from chord_usd.training.boxes_trainer import denoising_losses, train_boxes
-from chord_usd.training.lists_data import batch_of, endless_batches, held_out
-from chord_usd.training.lists_trainer import ListTraining
+from chord_usd.line.lists import pieces
+from chord_usd.line.lists.list_sampler import Subject
+from chord_usd.line.lists.pieces import PIECES
+from chord_usd.workshop.training.boxes_data import elements_of, slots_of
+from chord_usd.workshop.training.boxes_network import NOISE_STEPS, BoxNetwork, Surroundings
+from chord_usd.workshop.training.boxes_sampler import load_boxes
+from chord_usd.workshop.training.boxes_trainer import denoising_losses, train_boxes
+from chord_usd.workshop.training.lists_data import batch_of, endless_batches, held_out
+from chord_usd.workshop.training.lists_trainer import ListTraining
 
 EXAMPLES = held_out(4)
 
@@ -85,7 +85,7 @@ def test_boxes_are_scored_as_lists_are(run: Path, capsys: pytest.CaptureFixture[
 
 
 def test_weights_of_another_network_say_so(run: Path, tmp_path: Path) -> None:
-    from chord_usd.training.loop import write_weights
+    from chord_usd.workshop.training.loop import write_weights
 
     write_weights(tmp_path, BoxNetwork(channels=32), {})
     with pytest.raises(CheckpointError):

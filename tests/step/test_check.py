@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 import trimesh
 
+from chord_usd.base.errors import StageError
+from chord_usd.base.metrics import score_scene
+from chord_usd.base.scene.chord_json import write_scene
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import Box, Facts, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.cli import DONE, NOT_HELD, main
-from chord_usd.errors import StageError
-from chord_usd.metrics import score_scene
-from chord_usd.scene.chord_json import write_scene
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import Box, Facts, Item, Opening, Room, SceneGraph, frozen_array
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import Report, certificate, check_stage
-from chord_usd.stage.check_contact import Body, Solid, collisions, unsupported
-from chord_usd.stage.check_scene import read_scene
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_contact import Body, Solid, collisions, unsupported
+from chord_usd.line.stage.check.check_scene import read_scene
+from chord_usd.line.stage.check.check_stage import Report, certificate, check_stage
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.scene.types import Box, Facts, Item, SceneGraph
+from chord_usd.base.scene.types import Box, Facts, Item, SceneGraph
 from tests.step.test_check import BED, SHOES, SOUND, check, house
 
 # The bedroom of the house is x 0 to 4, y 2.24 to 6.24; its window at x 0, y 4.6 to 5.8.

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from pxr import Usd
 
-from chord_usd.stage.check_rules import RULES, broken_rules
+from chord_usd.line.stage.check.check_rules import RULES, broken_rules
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 BROKEN = sorted((FIXTURES / "broken").glob("CHORD*.usda"))

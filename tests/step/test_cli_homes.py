@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from chord_usd.base.scene.chord_json import read_scene, write_plan
+from chord_usd.base.scene.types import Box, Opening, Plan, Room, frozen_array
 from chord_usd.cli import main
-from chord_usd.scene.chord_json import read_scene, write_plan
-from chord_usd.scene.types import Box, Opening, Plan, Room, frozen_array
 
 
 def run(capsys: pytest.CaptureFixture[str], *command: str) -> dict:

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from chord_usd.image.options import RenderOptions
-from chord_usd.image.render import render_stage
-from chord_usd.scene.types import Box, Opening, Room, SceneGraph, frozen_array
-from chord_usd.stage.author import author_stage
+from chord_usd.base.scene.types import Box, Opening, Room, SceneGraph, frozen_array
+from chord_usd.line.image.options import RenderOptions
+from chord_usd.line.image.render import render_stage
+from chord_usd.line.stage.author.author_stage import author_stage
 
 ROOM = Room("r", "bedroom", frozen_array([(0, 0), (4, 0), (4, 3), (0, 3)]))
 

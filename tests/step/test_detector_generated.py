@@ -10,11 +10,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from chord_usd.raster import canvas
-from chord_usd.scene.palette import category
-from chord_usd.scene.types import CANVAS_PX, LayoutImage, PlanImage
-from chord_usd.training.detector_data import CLEAN, stream
-from chord_usd.training.detector_generated import generated_samples
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.palette import category
+from chord_usd.base.scene.types import CANVAS_PX, LayoutImage, PlanImage
+from chord_usd.workshop.training.detector_data import CLEAN, stream
+from chord_usd.workshop.training.detector_generated import generated_samples
 
 HALF_PX = 8
 

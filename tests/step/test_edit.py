@@ -10,16 +10,16 @@ import pytest
 from pxr import Gf, Sdf, Usd
 
 import chord_usd
-from chord_usd.arrange.asked_places import Floor
+from chord_usd.base.errors import ChordError, OutputError, StageError
+from chord_usd.base.runtime.alone import alone_with
+from chord_usd.base.scene.types import Item, SceneGraph
+from chord_usd.base.scene.units import wrap_deg
 from chord_usd.cli import DONE, NOT_HELD, main
-from chord_usd.errors import ChordError, OutputError, StageError
-from chord_usd.pipeline.edit_house import edit, read_sentence
-from chord_usd.runtime.alone import alone_with
-from chord_usd.scene.types import Item, SceneGraph
-from chord_usd.scene.units import wrap_deg
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import check_stage, worse
-from chord_usd.stage.refurnish import read_house
+from chord_usd.line.arrange.asked_places import Floor
+from chord_usd.line.pipeline.edit_house import edit, read_sentence
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_stage import check_stage, worse
+from chord_usd.line.stage.edit.refurnish import read_house
 from tests.bare_stage import write_bare_stage
 
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from pxr import Sdf
 
+from chord_usd.base.scene.stair_cells import is_cell
+from chord_usd.base.scene.storeys import stack
 from chord_usd.cli import DONE, NOT_HELD, UNUSABLE, main
-from chord_usd.data.furnish import furnish
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.pipeline.edit_house import edit, read_sentence
-from chord_usd.scene.stair_cells import is_cell
-from chord_usd.scene.storeys import stack
-from chord_usd.stage.author import author_levels
-from chord_usd.stage.check import check_stage
-from chord_usd.stage.stage_levels import levels_of
+from chord_usd.line.pipeline.edit_house import edit, read_sentence
+from chord_usd.line.stage.author.author_stage import author_levels
+from chord_usd.line.stage.author.stage_levels import levels_of
+from chord_usd.line.stage.check.check_stage import check_stage
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.storey_houses import random_storeys
 
 
 @pytest.fixture(scope="module")

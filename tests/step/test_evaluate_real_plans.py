@@ -9,12 +9,12 @@ import numpy as np
 from PIL import Image
 from plan_files import write_sweethome
 
+from chord_usd.base.raster.raster_files import write_raster
+from chord_usd.base.scene.chord_json import write_plan
 from chord_usd.cli import main
-from chord_usd.data.houses import random_plan
-from chord_usd.pipeline import draw_plan
-from chord_usd.plan.read import read_plan_file
-from chord_usd.raster.raster_files import write_raster
-from chord_usd.scene.chord_json import write_plan
+from chord_usd.line.pipeline import draw_plan
+from chord_usd.line.plan.read import read_plan_file
+from chord_usd.workshop.data.houses import random_plan
 
 
 def test_a_folder_of_files_becomes_a_table_and_a_sheet(tmp_path: Path) -> None:

@@ -10,24 +10,24 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd.assets.asset_relief import relief_of
-from chord_usd.assets.database import load_database
+from chord_usd.base.raster import canvas
+from chord_usd.base.raster.table_top import Border
+from chord_usd.base.scene.palette import Level
+from chord_usd.base.scene.types import Asset, Box, Item
 from chord_usd.cli import DONE, UNUSABLE, main
-from chord_usd.evaluation import tabletop_report, tabletops
-from chord_usd.evaluation.tabletop_cases import Case, procedural_cases, redrawn
-from chord_usd.graph.table_items import TopPainter
-from chord_usd.layout.checkpoint import Checkpoint, save_checkpoint
-from chord_usd.layout.config import PRESETS, TABLE
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.sample import LayoutModel
-from chord_usd.layout.torch_denoiser import TorchDenoiser
-from chord_usd.lists.things import THINGS
-from chord_usd.raster import canvas
-from chord_usd.raster.table_top import Border
-from chord_usd.scene.palette import Level
-from chord_usd.scene.types import Asset, Box, Item
-from chord_usd.training.lists_network import ListNetwork
-from chord_usd.training.lists_trainer import write_checkpoint
+from chord_usd.library.asset_relief import relief_of
+from chord_usd.library.database import load_database
+from chord_usd.line.graph.table_items import TopPainter
+from chord_usd.line.layout.checkpoint import Checkpoint, save_checkpoint
+from chord_usd.line.layout.config import PRESETS, TABLE
+from chord_usd.line.layout.network import LayoutNetwork
+from chord_usd.line.layout.sample import LayoutModel
+from chord_usd.line.layout.torch_denoiser import TorchDenoiser
+from chord_usd.line.lists.things import THINGS
+from chord_usd.workshop.evaluation import tabletop_report, tabletops
+from chord_usd.workshop.evaluation.tabletop_cases import Case, procedural_cases, redrawn
+from chord_usd.workshop.training.lists_network import ListNetwork
+from chord_usd.workshop.training.lists_trainer import write_checkpoint
 
 TINY = replace(
     TABLE, channels=(16, 32), attention=(False, False), feature_channels=16, default_steps=2
@@ -226,7 +226,7 @@ def test_a_model_of_houses_is_refused(tmp_path: Path, capsys) -> None:
 
 
 def test_meshes_of_items_exist_for_every_category(at: tabletops.Workplace) -> None:
-    from chord_usd.scene.palette import TABLE_CATEGORIES
+    from chord_usd.base.scene.palette import TABLE_CATEGORIES
 
     for row in TABLE_CATEGORIES:
         size_m = (row.length_m[0], row.width_m[0], row.height_m[0])

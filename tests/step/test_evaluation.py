@@ -10,8 +10,20 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd.errors import SceneError
-from chord_usd.evaluation import (
+from chord_usd.base.errors import SceneError
+from chord_usd.base.metrics import score_scene
+from chord_usd.base.metrics.scores import Score
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.chord_json import write_scene
+from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.base.scene.types import Provenance
+from chord_usd.line.layout.checkpoint import Checkpoint
+from chord_usd.line.layout.config import PRESETS
+from chord_usd.line.layout.network import LayoutNetwork
+from chord_usd.line.layout.outlier import NoiseError
+from chord_usd.line.layout.sample import LayoutModel
+from chord_usd.line.layout.torch_denoiser import TorchDenoiser
+from chord_usd.workshop.evaluation import (
     diversity,
     layout_report,
     layouts,
@@ -21,21 +33,9 @@ from chord_usd.evaluation import (
     report,
     speed,
 )
-from chord_usd.evaluation.cases import Case, folder_cases, procedural_cases
-from chord_usd.evaluation.collisions import collide, displace
-from chord_usd.evaluation.report import framed
-from chord_usd.layout.checkpoint import Checkpoint
-from chord_usd.layout.config import PRESETS
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.outlier import NoiseError
-from chord_usd.layout.sample import LayoutModel
-from chord_usd.layout.torch_denoiser import TorchDenoiser
-from chord_usd.metrics import score_scene
-from chord_usd.metrics.scores import Score
-from chord_usd.raster import canvas
-from chord_usd.scene.chord_json import write_scene
-from chord_usd.scene.geometry import footprint_polygon, room_polygon
-from chord_usd.scene.types import Provenance
+from chord_usd.workshop.evaluation.cases import Case, folder_cases, procedural_cases
+from chord_usd.workshop.evaluation.collisions import collide, displace
+from chord_usd.workshop.evaluation.report import framed
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16,

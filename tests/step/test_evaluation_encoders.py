@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import torch
 
+from chord_usd.base.errors import CheckpointError
 from chord_usd.cli import main
-from chord_usd.errors import CheckpointError
-from chord_usd.evaluation.encoders import InceptionEncoder
+from chord_usd.workshop.evaluation.encoders import InceptionEncoder
 
 COMMAND = ["evaluate", "layouts", "--furnisher", "--n", "10"]
 

@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from pxr import Usd
 
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.plan.read import read_storey_plans
-from chord_usd.scene.json_stairs import StoreyPlan, stairs_of
-from chord_usd.scene.stair_elements import StairForm
-from chord_usd.scene.stair_forms import build_stair
-from chord_usd.scene.storeys import STOREY_M, stack
-from chord_usd.stage.author import author_levels
-from chord_usd.stage.exchange.built_house import houses_of
-from chord_usd.stage.export import export_stage
-from chord_usd.stage.stage_levels import levels_of
+from chord_usd.base.scene.json_stairs import StoreyPlan, stairs_of
+from chord_usd.base.scene.stair_elements import StairForm
+from chord_usd.base.scene.stair_forms import build_stair
+from chord_usd.base.scene.storeys import STOREY_M, stack
+from chord_usd.line.plan.read import read_storey_plans
+from chord_usd.line.stage.author.author_stage import author_levels
+from chord_usd.line.stage.author.stage_levels import levels_of
+from chord_usd.line.stage.export.exchange.built_house import houses_of
+from chord_usd.line.stage.export.export_stage import export_stage
+from chord_usd.workshop.data.storey_houses import random_storeys
 from tests.plan_alike import likeness
 
 FORMS = get_args(StairForm)

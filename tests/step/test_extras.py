@@ -14,9 +14,9 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from chord_usd.errors import MissingExtraError
-from chord_usd.layout.device import choose_device
-from chord_usd.runtime import extras
+from chord_usd.base.errors import MissingExtraError
+from chord_usd.base.runtime import extras
+from chord_usd.line.layout.device import choose_device
 from tests.core_packages import EXTRAS, PROJECT, ROOT, closure, core_environment
 from tests.verbs import VERBS
 

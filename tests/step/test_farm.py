@@ -14,13 +14,13 @@ import pytest
 from render_house import write_house
 
 from chord_usd import __version__
-from chord_usd.errors import RenderError
-from chord_usd.farm.bundle import Work, tasks_of, template, write_bundle
-from chord_usd.image.exr import write_exr
-from chord_usd.image.options import RenderOptions
-from chord_usd.image.products import read_mask
-from chord_usd.image.render import camera_names
-from chord_usd.runtime.stages import StageFiles
+from chord_usd.base.errors import RenderError
+from chord_usd.base.runtime.stages import StageFiles
+from chord_usd.faces.farm.bundle import Work, tasks_of, template, write_bundle
+from chord_usd.line.image.exr import write_exr
+from chord_usd.line.image.options import RenderOptions
+from chord_usd.line.image.products import read_mask
+from chord_usd.line.image.render import camera_names
 
 BUNDLE = [
     "--camera", "Bedroom_0", "--resolution", "16x9", "--samples", "2", "--tiles", "2",

@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 import torch
 
-from chord_usd.errors import CheckpointError
-from chord_usd.layout.config import FLOOR
-from chord_usd.layout.levels import traits_of
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.transfer import take_up
-from chord_usd.planning.words import PROGRAMME_CHANNELS, PROGRAMME_ROWS, TEXT_CHANNELS, WORDS
+from chord_usd.base.errors import CheckpointError
+from chord_usd.line.layout.config import FLOOR
+from chord_usd.line.layout.levels import traits_of
+from chord_usd.line.layout.network import LayoutNetwork
+from chord_usd.line.layout.transfer import take_up
+from chord_usd.line.planning.words import PROGRAMME_CHANNELS, PROGRAMME_ROWS, TEXT_CHANNELS, WORDS
 
 WORD_CHANNELS = TEXT_CHANNELS + PROGRAMME_CHANNELS
 

@@ -9,14 +9,19 @@ import numpy as np
 import pytest
 import shapely
 
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.metrics.clear_floor import blocked_openings
-from chord_usd.metrics.complete import homely_rooms, is_complete
-from chord_usd.scene.geometry import footprint, footprint_polygon, front_direction, room_polygon
-from chord_usd.scene.palette import CATEGORIES, Mount
-from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
-from chord_usd.scene.units import rotation_2d
+from chord_usd.base.metrics.clear_floor import blocked_openings
+from chord_usd.base.metrics.complete import homely_rooms, is_complete
+from chord_usd.base.scene.geometry import (
+    footprint,
+    footprint_polygon,
+    front_direction,
+    room_polygon,
+)
+from chord_usd.base.scene.palette import CATEGORIES, Mount
+from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
+from chord_usd.base.scene.units import rotation_2d
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 HOUSES = 500
 

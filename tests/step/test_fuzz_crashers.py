@@ -16,16 +16,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from chord_usd.assets.database import load_database
-from chord_usd.assets.shading import corner_normals
-from chord_usd.assets.solids import Solid
+from chord_usd.base.errors import AssetError, ChordError, SceneError
+from chord_usd.base.runtime import json_lines
+from chord_usd.base.runtime.json_lines import read_lines
+from chord_usd.base.runtime.json_text import MOST_VALUES, parse_json
 from chord_usd.cli import UNUSABLE, main
-from chord_usd.data.flats import read_flats_or_why
-from chord_usd.data.foreign import Models, foreign_houses
-from chord_usd.errors import AssetError, ChordError, SceneError
-from chord_usd.runtime import json_lines
-from chord_usd.runtime.json_lines import read_lines
-from chord_usd.runtime.json_text import MOST_VALUES, parse_json
+from chord_usd.library.database import load_database
+from chord_usd.library.kit.shading import corner_normals
+from chord_usd.library.kit.solids import Solid
+from chord_usd.workshop.data.flats import read_flats_or_why
+from chord_usd.workshop.data.foreign import Models, foreign_houses
 from tests import plan_files
 from tests.foreign_records import flat_lines, front_house, procthor_house
 

@@ -14,14 +14,16 @@ import numpy as np
 import pytest
 import torch
 
+from chord_usd.base.errors import CheckpointError
+from chord_usd.base.raster.canvas import draw_plan, layout_image
+from chord_usd.base.raster.raster_files import write_raster
+from chord_usd.base.runtime.checksums import SUMS_FILE
+from chord_usd.base.runtime.locations import checkpoint_folder
+from chord_usd.base.runtime.networks import WEIGHTS_FILE, load_network
+from chord_usd.base.scene.chord_json import read_scene
+from chord_usd.base.scene.types import CANVAS_PX
 from chord_usd.cli import main
-from chord_usd.data.splits import TEST_SEED
-from chord_usd.errors import CheckpointError
-from chord_usd.evaluation.detector_cases import clean_cases
-from chord_usd.evaluation.detector_networks import score_checkpoint
-from chord_usd.evaluation.detector_scores import ROWS, as_markdown, score_detector
-from chord_usd.evaluation.detector_sheet import COLUMNS, ENLARGE, draw_sheet
-from chord_usd.graph.detect import (
+from chord_usd.line.graph.detect import (
     CLASSES,
     CONFIG_FILE,
     IMAGE_PX,
@@ -31,17 +33,15 @@ from chord_usd.graph.detect import (
     load_room_segmenter,
     scaled,
 )
-from chord_usd.graph.extract import extract_graph
-from chord_usd.raster.canvas import draw_plan, layout_image
-from chord_usd.raster.raster_files import write_raster
-from chord_usd.runtime.checksums import SUMS_FILE
-from chord_usd.runtime.locations import checkpoint_folder
-from chord_usd.runtime.networks import WEIGHTS_FILE, load_network
-from chord_usd.scene.chord_json import read_scene
-from chord_usd.scene.types import CANVAS_PX
-from chord_usd.training.detector import LOG_FILE, DetectorTraining, train_detector
-from chord_usd.training.detector_card import write_card
-from chord_usd.training.detector_data import (
+from chord_usd.line.graph.extract import extract_graph
+from chord_usd.workshop.data.splits import TEST_SEED
+from chord_usd.workshop.evaluation.detector_cases import clean_cases
+from chord_usd.workshop.evaluation.detector_networks import score_checkpoint
+from chord_usd.workshop.evaluation.detector_scores import ROWS, as_markdown, score_detector
+from chord_usd.workshop.evaluation.detector_sheet import COLUMNS, ENLARGE, draw_sheet
+from chord_usd.workshop.training.detector import LOG_FILE, DetectorTraining, train_detector
+from chord_usd.workshop.training.detector_card import write_card
+from chord_usd.workshop.training.detector_data import (
     CLEAN,
     MASK_SIDE,
     Sample,
@@ -50,7 +50,7 @@ from chord_usd.training.detector_data import (
     house,
     turned,
 )
-from chord_usd.training.yolo import Proposing, build_model, load_weights, save_model
+from chord_usd.workshop.training.yolo import Proposing, build_model, load_weights, save_model
 
 KINDS: tuple[Kind, ...] = ("items", "rooms")
 
@@ -125,7 +125,7 @@ def test_the_graph_computes_what_ultralytics_does(kind: Kind) -> None:
 
 
 def test_ultralytics_is_silent_and_leaves_the_home_folder_alone(tmp_path: Path) -> None:
-    code = "from chord_usd.training.yolo import build_model; build_model('items')"
+    code = "from chord_usd.workshop.training.yolo import build_model; build_model('items')"
     environment = {"HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
     done = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
@@ -141,7 +141,7 @@ def test_ultralytics_leaves_the_functions_of_other_libraries_alone() -> None:
         "import cv2, PIL.Image as image\n"
         "def functions(): return image.open, cv2.imread, cv2.imwrite, cv2.imshow\n"
         "before = functions()\n"
-        "from chord_usd.training.yolo import build_model\n"
+        "from chord_usd.workshop.training.yolo import build_model\n"
         "build_model('items')\n"
         "import sys; assert 'ultralytics' in sys.modules\n"
         "assert functions() == before"

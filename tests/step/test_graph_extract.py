@@ -13,17 +13,12 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 from shapely.geometry import Polygon
 
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import SceneError
-from chord_usd.graph.extract import extract_graph
-from chord_usd.graph.match import match_assets
-from chord_usd.graph.snap import decode_items
-from chord_usd.raster import canvas
-from chord_usd.scene.geometry import footprint, footprint_polygon, room_polygon
-from chord_usd.scene.palette import Mount, category
-from chord_usd.scene.pose import Pose, posed
-from chord_usd.scene.types import (
+from chord_usd.base.errors import SceneError
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.geometry import footprint, footprint_polygon, room_polygon
+from chord_usd.base.scene.palette import Mount, category
+from chord_usd.base.scene.pose import Pose, posed
+from chord_usd.base.scene.types import (
     Asset,
     ByteArray,
     Detection,
@@ -32,7 +27,12 @@ from chord_usd.scene.types import (
     LayoutImage,
     SceneGraph,
 )
-from chord_usd.scene.units import px_from_m, wrap_deg
+from chord_usd.base.scene.units import px_from_m, wrap_deg
+from chord_usd.line.graph.extract import extract_graph
+from chord_usd.line.graph.match import match_assets
+from chord_usd.line.graph.snap import decode_items
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 Painter = Callable[[ByteArray, np.random.Generator], ByteArray]
 
@@ -218,7 +218,7 @@ def _panels(graph: SceneGraph) -> list[Item]:
 
 
 def test_frayed_edges_and_lost_marks_lose_little() -> None:
-    from chord_usd.data.spoilt_layouts import fray, patch
+    from chord_usd.workshop.data.spoilt_layouts import fray, patch
 
     wanted = right = seen = 0
     for seed in range(8):
@@ -319,8 +319,8 @@ def test_every_item_gets_a_mesh_of_its_own_size_children_too() -> None:
 
 
 def test_where_others_painted_it_the_detector_decides() -> None:
-    from chord_usd.evaluation.painters import painted_cases
-    from chord_usd.graph.detect import load_item_detector
+    from chord_usd.line.graph.detect import load_item_detector
+    from chord_usd.workshop.evaluation.painters import painted_cases
 
     detector = load_item_detector()
     wanted = with_it = without = wrong_with = wrong_without = 0

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd.layout.checkpoint import save_checkpoint
-from chord_usd.layout.config import FRONT_AMPLITUDE, PRESETS
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.transfer import take_up
-from chord_usd.training.guided import GuidedTrainer
-from chord_usd.training.stream import LayoutStream, StreamConfig
-from chord_usd.training.trainer import TrainingConfig
+from chord_usd.line.layout.checkpoint import save_checkpoint
+from chord_usd.line.layout.config import FRONT_AMPLITUDE, PRESETS
+from chord_usd.line.layout.network import LayoutNetwork
+from chord_usd.line.layout.transfer import take_up
+from chord_usd.workshop.training.guided import GuidedTrainer
+from chord_usd.workshop.training.stream import LayoutStream, StreamConfig
+from chord_usd.workshop.training.trainer import TrainingConfig
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, False), feature_channels=16,

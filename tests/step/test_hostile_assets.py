@@ -15,13 +15,13 @@ from pxr import UsdUtils
 from strangers import WAYS, edited, names, tree, victim_in
 
 from chord_usd import cli
-from chord_usd.assets.database import read_index
-from chord_usd.assets.libraries.add import add_library
-from chord_usd.errors import AssetError
-from chord_usd.pipeline import Settings, read_scene_file, write_stage
-from chord_usd.scene.chord_json import read_scene, write_scene
-from chord_usd.scene.types import Asset, Box, Item, Room, SceneGraph
-from chord_usd.stage.author import author_stage
+from chord_usd.base.errors import AssetError
+from chord_usd.base.scene.chord_json import read_scene, write_scene
+from chord_usd.base.scene.types import Asset, Box, Item, Room, SceneGraph
+from chord_usd.library.database import read_index
+from chord_usd.library.libraries.add import add_library
+from chord_usd.line.pipeline import Settings, read_scene_file, write_stage
+from chord_usd.line.stage.author.author_stage import author_stage
 
 
 @pytest.fixture

@@ -20,22 +20,22 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from chord_usd import cli
-from chord_usd.errors import ChordError, PlanError, SceneError
-from chord_usd.pipeline import draw_plan
-from chord_usd.plan.picture import read_picture
-from chord_usd.plan.read import read_plan_file
-from chord_usd.planning.wording import read_wish
-from chord_usd.raster.raster_files import read_layout, write_raster
-from chord_usd.scene.chord_json import read_plan, read_scene, scene_from_json
-from chord_usd.scene.geometry import extent_m
-from chord_usd.scene.limits import (
+from chord_usd.base.errors import ChordError, PlanError, SceneError
+from chord_usd.base.raster.raster_files import read_layout, write_raster
+from chord_usd.base.scene.chord_json import read_plan, read_scene, scene_from_json
+from chord_usd.base.scene.geometry import extent_m
+from chord_usd.base.scene.limits import (
     LARGEST_HOUSE_M,
     MOST_CORNERS,
     MOST_ITEMS,
     MOST_OPENINGS,
     MOST_ROOMS,
 )
-from chord_usd.stage.walls import build_walls
+from chord_usd.line.pipeline import draw_plan
+from chord_usd.line.plan.picture import read_picture
+from chord_usd.line.plan.read import read_plan_file
+from chord_usd.line.planning.wording import read_wish
+from chord_usd.line.stage.shell.walls import build_walls
 
 HOUSE = json.loads((Path(__file__).parents[1] / "fixtures/furnished_house.json").read_text())
 SECONDS = 2.0

@@ -12,9 +12,9 @@ import pytest
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from chord_usd.errors import PlanError, SceneError
-from chord_usd.plan.picture import read_picture
-from chord_usd.raster.raster_files import TEXT_CHUNK, read_layout
+from chord_usd.base.errors import PlanError, SceneError
+from chord_usd.base.raster.raster_files import TEXT_CHUNK, read_layout
+from chord_usd.line.plan.picture import read_picture
 
 
 def chunked(path: Path, text: str) -> Path:

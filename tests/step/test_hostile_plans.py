@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from chord_usd.plan.picture import LARGEST_SIDE_PX, read_picture
-from chord_usd.plan.read import read_plan_file
+from chord_usd.line.plan.picture import LARGEST_SIDE_PX, read_picture
+from chord_usd.line.plan.read import read_plan_file
 
 LONGEST_S = 60.0
 LARGEST_MIB = 1024 + 128

@@ -18,16 +18,21 @@ from pxr import Sdf, Usd, UsdGeom
 from strangers import WAYS, edited, names, victim_in, with_reference, with_sublayer, with_texture
 
 from chord_usd import cli
-from chord_usd.errors import ChordError, StageError
-from chord_usd.farm.bundle import Work, write_bundle
-from chord_usd.image.stage_cameras import read_views
-from chord_usd.runtime import stages
-from chord_usd.scene.types import Asset, Provenance
-from chord_usd.stage.check import check_stage
-from chord_usd.stage.describe import describe_stage
-from chord_usd.stage.diff import diff_stages
-from chord_usd.stage.export import export_stage
-from chord_usd.stage.refurnish import NewFurniture, read_edited_house, read_house, refurnish
+from chord_usd.base.errors import ChordError, StageError
+from chord_usd.base.runtime import stages
+from chord_usd.base.scene.types import Asset, Provenance
+from chord_usd.faces.farm.bundle import Work, write_bundle
+from chord_usd.line.image.stage_cameras import read_views
+from chord_usd.line.stage.check.check_stage import check_stage
+from chord_usd.line.stage.edit.refurnish import (
+    NewFurniture,
+    read_edited_house,
+    read_house,
+    refurnish,
+)
+from chord_usd.line.stage.export.export_stage import export_stage
+from chord_usd.line.stage.read.describe import describe_stage
+from chord_usd.line.stage.read.diff import diff_stages
 
 
 @pytest.fixture

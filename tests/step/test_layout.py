@@ -7,15 +7,19 @@ import numpy as np
 import pytest
 import torch
 
-import chord_usd.commands.common as offered
-from chord_usd.errors import CheckpointError, ChordError
-from chord_usd.layout.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
-from chord_usd.layout.codes import CLASS_COUNT
-from chord_usd.layout.config import PRESETS, LayoutConfig
-from chord_usd.layout.device import in_batches
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.sample import LayoutModel
-from chord_usd.layout.schedule import (
+import chord_usd.faces.commands.common as offered
+from chord_usd.base.errors import CheckpointError, ChordError
+from chord_usd.base.raster.canvas import paint_layout
+from chord_usd.base.runtime.checksums import SUMS_FILE
+from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.types import PixelFrame, PlanImage
+from chord_usd.line.layout.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from chord_usd.line.layout.codes import CLASS_COUNT
+from chord_usd.line.layout.config import PRESETS, LayoutConfig
+from chord_usd.line.layout.device import in_batches
+from chord_usd.line.layout.network import LayoutNetwork
+from chord_usd.line.layout.sample import LayoutModel
+from chord_usd.line.layout.schedule import (
     SAMPLERS,
     DiffusersSampler,
     WrittenSampler,
@@ -24,12 +28,8 @@ from chord_usd.layout.schedule import (
     training_scheduler,
     walk_of,
 )
-from chord_usd.layout.torch_denoiser import TorchDenoiser
-from chord_usd.raster.canvas import paint_layout
-from chord_usd.runtime.checksums import SUMS_FILE
-from chord_usd.scene.palette import CATEGORIES
-from chord_usd.scene.types import PixelFrame, PlanImage
-from chord_usd.training.layout_graph import write_layout_graph
+from chord_usd.line.layout.torch_denoiser import TorchDenoiser
+from chord_usd.workshop.training.layout_graph import write_layout_graph
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16,

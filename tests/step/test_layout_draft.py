@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd.layout.checkpoint import Checkpoint
-from chord_usd.layout.config import PRESETS
-from chord_usd.layout.draft import DRAFT_PLANES, Draft
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.sample import LayoutModel
-from chord_usd.layout.torch_denoiser import TorchDenoiser
-from chord_usd.layout.transfer import take_up
-from chord_usd.raster import canvas
-from chord_usd.scene.types import SceneGraph
-from chord_usd.training.drafts import rough_draft
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.line.layout.checkpoint import Checkpoint
+from chord_usd.line.layout.config import PRESETS
+from chord_usd.line.layout.draft import DRAFT_PLANES, Draft
+from chord_usd.line.layout.network import LayoutNetwork
+from chord_usd.line.layout.sample import LayoutModel
+from chord_usd.line.layout.torch_denoiser import TorchDenoiser
+from chord_usd.line.layout.transfer import take_up
+from chord_usd.workshop.training.drafts import rough_draft
 
 
 @pytest.fixture(scope="module")

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd.layout.checkpoint import Checkpoint
-from chord_usd.layout.config import PRESETS
-from chord_usd.layout.denoiser import Estimate
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.outlier import Drawing, NoiseError
-from chord_usd.layout.sample import LayoutModel
-from chord_usd.layout.torch_denoiser import TorchDenoiser
-from chord_usd.raster import canvas
+from chord_usd.base.raster import canvas
+from chord_usd.line.layout.checkpoint import Checkpoint
+from chord_usd.line.layout.config import PRESETS
+from chord_usd.line.layout.denoiser import Estimate
+from chord_usd.line.layout.network import LayoutNetwork
+from chord_usd.line.layout.outlier import Drawing, NoiseError
+from chord_usd.line.layout.sample import LayoutModel
+from chord_usd.line.layout.torch_denoiser import TorchDenoiser
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, True), feature_channels=16

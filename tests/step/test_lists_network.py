@@ -11,19 +11,24 @@ import numpy as np
 import pytest
 import torch
 
+from chord_usd.base.errors import CheckpointError
+from chord_usd.base.runtime.networks import load_network
+from chord_usd.base.scene.types import Box
 from chord_usd.cli import main
-from chord_usd.data.tabletops import random_tabletop
-from chord_usd.errors import CheckpointError
-from chord_usd.lists import pieces
-from chord_usd.lists.list_sampler import GRAPH_INPUTS, Subject, load_lists
-from chord_usd.lists.pieces import PIECES
-from chord_usd.lists.top_lists import load_lister
-from chord_usd.lists.vocabulary import NOTHING
-from chord_usd.runtime.networks import load_network
-from chord_usd.scene.types import Box
-from chord_usd.training.lists_data import batch_of, endless_batches, endless_houses, held_out
-from chord_usd.training.lists_network import Drawing, ListNetwork
-from chord_usd.training.lists_trainer import (
+from chord_usd.line.lists import pieces
+from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Subject, load_lists
+from chord_usd.line.lists.pieces import PIECES
+from chord_usd.line.lists.top_lists import load_lister
+from chord_usd.line.lists.vocabulary import NOTHING
+from chord_usd.workshop.data.tabletops import random_tabletop
+from chord_usd.workshop.training.lists_data import (
+    batch_of,
+    endless_batches,
+    endless_houses,
+    held_out,
+)
+from chord_usd.workshop.training.lists_network import Drawing, ListNetwork
+from chord_usd.workshop.training.lists_trainer import (
     ListTraining,
     Task,
     batch_loss,

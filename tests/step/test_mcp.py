@@ -17,18 +17,18 @@ from typing import Any
 import pytest
 from PIL import Image
 
+from chord_usd.base.errors import ChordError
+from chord_usd.base.scene.chord_json import read_plan, write_plan
 from chord_usd.cli import build_parser
-from chord_usd.commands.paths import check_paths
-from chord_usd.errors import ChordError
-from chord_usd.scene.chord_json import read_plan, write_plan
+from chord_usd.faces.commands.paths import check_paths
 from tests.bare_stage import write_bare_stage
 
 pytest.importorskip("mcp", reason="the extra mcp is not installed")
 
 from mcp import Client, StdioServerParameters, stdio_client
 
-from chord_usd.commands.agent_tools import MOST_PICTURES, PICTURE_PX, RunVerb, make_server
-from chord_usd.runtime.verb_calls import Answer, Told, run_verb
+from chord_usd.base.runtime.verb_calls import Answer, Told, run_verb
+from chord_usd.faces.commands.agent_tools import MOST_PICTURES, PICTURE_PX, RunVerb, make_server
 
 ROOT = Path(__file__).parents[2]
 DRAWING = ROOT / "examples" / "studio.png"

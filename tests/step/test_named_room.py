@@ -8,11 +8,11 @@ import pytest
 from pxr import Usd
 
 import chord_usd
+from chord_usd.base.errors import StageError
 from chord_usd.cli import UNUSABLE, main
-from chord_usd.errors import StageError
-from chord_usd.pipeline import one_room
-from chord_usd.pipeline.named_room import named_room
-from chord_usd.stage.titled_rooms import titled_rooms
+from chord_usd.line.pipeline import one_room
+from chord_usd.line.pipeline.named_room import named_room
+from chord_usd.line.stage.read.titled_rooms import titled_rooms
 
 SAID = ("Bedroom_1", "bedroom_1", "Bedroom 2", "the second bedroom", "bedroom two")
 
@@ -63,7 +63,7 @@ def test_every_verb_asks_the_same_resolver(
     def seen(*_: object, **__: object) -> None:
         raise MeantError
 
-    monkeypatch.setattr("chord_usd.image.render.render_stage", seen)
+    monkeypatch.setattr("chord_usd.line.image.render.render_stage", seen)
     monkeypatch.setattr(one_room, "load_models", seen)
     assert main([*words, "Bedroom 9", "-o", target, "--progress", "none"]) == UNUSABLE
     assert "Try: --room 'Bedroom " in capsys.readouterr().err

@@ -13,8 +13,10 @@ from pathlib import Path
 import pytest
 from pxr import Usd, UsdGeom
 
-from chord_usd.errors import ChordError, PlanError, SceneError
-from chord_usd.pipeline import (
+from chord_usd.base.errors import ChordError, PlanError, SceneError
+from chord_usd.base.scene.articulation import FIXED, JOINTED
+from chord_usd.base.scene.roof_forms import ROOF_FORMS
+from chord_usd.line.pipeline import (
     Models,
     Settings,
     generate,
@@ -23,9 +25,7 @@ from chord_usd.pipeline import (
     settle,
     write_stage,
 )
-from chord_usd.scene.articulation import FIXED, JOINTED
-from chord_usd.scene.roof_forms import ROOF_FORMS
-from chord_usd.stage.check import check_stage
+from chord_usd.line.stage.check.check_stage import check_stage
 from tests.odd_houses import odd_house
 
 HOUSES = int(os.environ.get("CHORD_USD_ODD_HOUSES", "8"))

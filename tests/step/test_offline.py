@@ -99,9 +99,9 @@ WAIT_S = 6
 
 LOAD_AND_WAIT = f"""
 import time
-from chord_usd.pipeline.planner import SKETCH_CHECKPOINT, checkpoint_folder
-from chord_usd.planning.sketcher import load_sketcher
-from chord_usd.plan.text import warm_up
+from chord_usd.line.pipeline.planner import SKETCH_CHECKPOINT, checkpoint_folder
+from chord_usd.line.planning.sketcher import load_sketcher
+from chord_usd.line.plan.text import warm_up
 network = load_sketcher(checkpoint_folder(SKETCH_CHECKPOINT))
 warm_up()
 time.sleep({WAIT_S})
@@ -111,8 +111,8 @@ RAY = """
 import sys
 from pathlib import Path
 from tests import batch_makers as makers
-from chord_usd.batch.ray_engine import RayEngine
-from chord_usd.batch.run import run_batch
+from chord_usd.faces.batch.ray_engine import RayEngine
+from chord_usd.faces.batch.run import run_batch
 folder = Path(sys.argv[1])
 engine = RayEngine(None, 1, cpus=1, gpus=0.0, folder=folder)
 run_batch(makers.units("a"), makers.order(folder), engine, load=makers.honest(folder))

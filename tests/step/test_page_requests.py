@@ -17,8 +17,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from starlette.testclient import TestClient
 
-from chord_usd.page import asked, job_queue, uploads
-from chord_usd.page.application import make_application
+from chord_usd.faces.page import asked, job_queue, uploads
+from chord_usd.faces.page.application import make_application
 from tests.page_stand_in import (
     HERE,
     PNG,

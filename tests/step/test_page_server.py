@@ -25,8 +25,8 @@ if not find_spec("nicegui"):
 import uvicorn
 from starlette.testclient import TestClient
 
-from chord_usd.page import timed_protocol
-from chord_usd.page.application import make_application
+from chord_usd.faces.page import timed_protocol
+from chord_usd.faces.page.application import make_application
 from tests.page_stand_in import (
     BED,
     PLAN,

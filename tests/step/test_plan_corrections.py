@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
+from chord_usd.base.errors import ChordError
+from chord_usd.base.raster import lettering
+from chord_usd.base.raster.lettering import text_size, write_text
+from chord_usd.base.raster.raster_files import write_raster
+from chord_usd.base.scene.chord_json import write_plan
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import Plan
 from chord_usd.cli import main
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import ChordError
-from chord_usd.pipeline import draw_plan
-from chord_usd.plan.corrections import read_rooms, with_rooms
-from chord_usd.plan.overlay import overlay, with_doubts
-from chord_usd.plan.placement import WARNINGS
-from chord_usd.plan.read import read_plan_file
-from chord_usd.raster import lettering
-from chord_usd.raster.lettering import text_size, write_text
-from chord_usd.raster.raster_files import write_raster
-from chord_usd.scene.chord_json import write_plan
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import Plan
+from chord_usd.line.pipeline import draw_plan
+from chord_usd.line.plan.corrections import read_rooms, with_rooms
+from chord_usd.line.plan.overlay import overlay, with_doubts
+from chord_usd.line.plan.placement import WARNINGS
+from chord_usd.line.plan.read import read_plan_file
+from chord_usd.workshop.data.houses import random_plan
 
 PLAN = random_plan(np.random.default_rng(3), rooms=5)
 

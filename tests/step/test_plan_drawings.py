@@ -11,14 +11,14 @@ import pytest
 from PIL import Image
 from plan_symbols import SYMBOLS_M_PER_PX, draw_symbols
 
-from chord_usd.data.houses import random_plan
-from chord_usd.plan.overlay import overlay_on
-from chord_usd.plan.placement import frame_of
-from chord_usd.plan.read import read_plan_file
-from chord_usd.scene.chord_json import write_plan
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import Plan
-from chord_usd.scene.units import px_from_m
+from chord_usd.base.scene.chord_json import write_plan
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import Plan
+from chord_usd.base.scene.units import px_from_m
+from chord_usd.line.plan.overlay import overlay_on
+from chord_usd.line.plan.placement import frame_of
+from chord_usd.line.plan.read import read_plan_file
+from chord_usd.workshop.data.houses import random_plan
 
 PLAN = random_plan(np.random.default_rng(5), rooms=5)
 

@@ -14,17 +14,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import PlanError
-from chord_usd.plan.overlay import overlay
-from chord_usd.plan.picture import LARGEST_SIDE_PX
-from chord_usd.plan.placement import frame_of
-from chord_usd.plan.read import is_plan_raster, read_plan_file
-from chord_usd.raster.canvas import draw_plan, layout_image
-from chord_usd.raster.raster_files import write_raster
-from chord_usd.scene.chord_json import write_plan
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import Box, Item, Plan
+from chord_usd.base.errors import PlanError
+from chord_usd.base.raster.canvas import draw_plan, layout_image
+from chord_usd.base.raster.raster_files import write_raster
+from chord_usd.base.scene.chord_json import write_plan
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import Box, Item, Plan
+from chord_usd.line.plan.overlay import overlay
+from chord_usd.line.plan.picture import LARGEST_SIDE_PX
+from chord_usd.line.plan.placement import frame_of
+from chord_usd.line.plan.read import is_plan_raster, read_plan_file
+from chord_usd.workshop.data.houses import random_plan
 
 PLAN = random_plan(np.random.default_rng(5), rooms=5)
 

@@ -9,10 +9,10 @@ import pytest
 from PIL import Image
 from plan_symbols import draw_storeys
 
+from chord_usd.base.errors import PlanError
 from chord_usd.cli import main
-from chord_usd.errors import PlanError
-from chord_usd.plan import drawing as drawings
-from chord_usd.plan.drawing import read_drawing
+from chord_usd.line.plan import drawing as drawings
+from chord_usd.line.plan.drawing import read_drawing
 
 pytestmark = pytest.mark.usefixtures("unlettered")
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.plan.read import read_storey_plans
-from chord_usd.plan.storey_titles import storey_rank, titled
-from chord_usd.plan.text import Text
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.json_stairs import StoreyPlan, stairs_of
-from chord_usd.scene.storeys import Building, stack
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.json_stairs import StoreyPlan, stairs_of
+from chord_usd.base.scene.storeys import Building, stack
+from chord_usd.line.plan.read import read_storey_plans
+from chord_usd.line.plan.storey_titles import storey_rank, titled
+from chord_usd.line.plan.text import Text
+from chord_usd.workshop.data.storey_houses import random_storeys
 from tests.plan_files import write_sweethome
 
 

@@ -10,12 +10,18 @@ import cv2
 import numpy as np
 import pytest
 
-from chord_usd.data.drawn.inscriptions import write
-from chord_usd.data.drawn.page_styles import FAMILIES, random_style
-from chord_usd.data.drawn.styled_plans import Drawing, draw_in_style
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import OutputError, PlanError
-from chord_usd.evaluation.plans import (
+from chord_usd.base.errors import OutputError, PlanError
+from chord_usd.base.scene.types import ByteArray, FloatArray, PixelFrame, Plan
+from chord_usd.line.plan import drawing as drawings
+from chord_usd.line.plan.drawing import Known, read_drawing
+from chord_usd.line.plan.placement import WARNINGS, frame_of, placement, straightening_of
+from chord_usd.line.plan.sheet import straightening_matrix
+from chord_usd.line.plan.text import Text
+from chord_usd.workshop.data.drawn.inscriptions import write
+from chord_usd.workshop.data.drawn.page_styles import FAMILIES, random_style
+from chord_usd.workshop.data.drawn.styled_plans import Drawing, draw_in_style
+from chord_usd.workshop.data.houses import random_plan
+from chord_usd.workshop.evaluation.plans import (
     PlanScore,
     Reader,
     clean,
@@ -24,13 +30,7 @@ from chord_usd.evaluation.plans import (
     score_reading,
     summaries,
 )
-from chord_usd.evaluation.plans_records import Records
-from chord_usd.plan import drawing as drawings
-from chord_usd.plan.drawing import Known, read_drawing
-from chord_usd.plan.placement import WARNINGS, frame_of, placement, straightening_of
-from chord_usd.plan.sheet import straightening_matrix
-from chord_usd.plan.text import Text
-from chord_usd.scene.types import ByteArray, FloatArray, PixelFrame, Plan
+from chord_usd.workshop.evaluation.plans_records import Records
 
 
 def drawn(family: str, seed: int, rooms: int = 4) -> Drawing:

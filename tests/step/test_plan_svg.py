@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.errors import PlanError
-from chord_usd.plan.overlay import overlay_on
-from chord_usd.plan.read import read_plan_file, read_storey_plans
-from chord_usd.plan.vector.svg_page import read_page
-from chord_usd.scene.geometry import extent_m, room_polygon
-from chord_usd.scene.types import Plan
+from chord_usd.base.errors import PlanError
+from chord_usd.base.scene.geometry import extent_m, room_polygon
+from chord_usd.base.scene.types import Plan
+from chord_usd.line.plan.overlay import overlay_on
+from chord_usd.line.plan.read import read_plan_file, read_storey_plans
+from chord_usd.line.plan.vector.svg_page import read_page
 
 # A flat of 10 x 7 m in centimetres: outer walls and three rooms as one path.
 OUTER = "M0,0H1000V700H0Z"

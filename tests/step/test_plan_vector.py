@@ -18,11 +18,11 @@ from plan_files import (
     write_sweethome,
 )
 
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import PlanError
-from chord_usd.plan.read import read_plan_file
-from chord_usd.scene.geometry import footprint_polygon, polygons_of, room_polygon, wall_area
-from chord_usd.scene.types import Plan
+from chord_usd.base.errors import PlanError
+from chord_usd.base.scene.geometry import footprint_polygon, polygons_of, room_polygon, wall_area
+from chord_usd.base.scene.types import Plan
+from chord_usd.line.plan.read import read_plan_file
+from chord_usd.workshop.data.houses import random_plan
 
 PLAN = random_plan(np.random.default_rng(5), rooms=5)
 
@@ -321,7 +321,7 @@ def test_a_password_is_told(tmp_path: Path) -> None:
 
 
 def test_the_overlay_of_a_vector_file_shows_its_walls(tmp_path: Path) -> None:
-    from chord_usd.plan.overlay import overlay_on
+    from chord_usd.line.plan.overlay import overlay_on
 
     write_sweethome(tmp_path / "home.sh3d")
     picture = overlay_on(read_plan_file(tmp_path / "home.sh3d"), tmp_path / "home.sh3d")

@@ -15,15 +15,22 @@ import pytest
 import torch
 from tokenizers import Tokenizer
 
-from chord_usd.data.descriptions import describe
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import CheckpointError, ChordError, PlanError
-from chord_usd.layout.checkpoint import save_checkpoint
-from chord_usd.layout.config import FLOOR
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.sample import LayoutModel
-from chord_usd.plan.read import read_plan_file
-from chord_usd.planning.encoder import (
+from chord_usd.base.errors import CheckpointError, ChordError, PlanError
+from chord_usd.base.raster.canvas import draw_plan
+from chord_usd.base.raster.plan_labels import sheet_frame
+from chord_usd.base.raster.raster_files import write_raster
+from chord_usd.base.runtime.locations import checkpoint_folder
+from chord_usd.base.runtime.networks import WEIGHTS_FILE, read_weights
+from chord_usd.base.scene.chord_json import read_plan, write_plan
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import Box, Opening, Plan, Room, frozen_array
+from chord_usd.base.scene.wish import Wish
+from chord_usd.line.layout.checkpoint import save_checkpoint
+from chord_usd.line.layout.config import FLOOR
+from chord_usd.line.layout.network import LayoutNetwork
+from chord_usd.line.layout.sample import LayoutModel
+from chord_usd.line.plan.read import read_plan_file
+from chord_usd.line.planning.encoder import (
     ENCODER_FOLDER,
     MINILM_CHECKPOINT,
     MOST_WORDS,
@@ -32,19 +39,12 @@ from chord_usd.planning.encoder import (
     TransformersEncoder,
     encoder_of,
 )
-from chord_usd.planning.floor_sheet import blank_sheet
-from chord_usd.planning.outline import open_shell, shell_of
-from chord_usd.planning.words import PROGRAMME_CHANNELS, WORDS, condition_words
-from chord_usd.raster.canvas import draw_plan
-from chord_usd.raster.plan_labels import sheet_frame
-from chord_usd.raster.raster_files import write_raster
-from chord_usd.runtime.locations import checkpoint_folder
-from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
-from chord_usd.scene.chord_json import read_plan, write_plan
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import Box, Opening, Plan, Room, frozen_array
-from chord_usd.scene.wish import Wish
-from chord_usd.training.floor_stream import FloorStream, FloorStreamConfig
+from chord_usd.line.planning.floor_sheet import blank_sheet
+from chord_usd.line.planning.outline import open_shell, shell_of
+from chord_usd.line.planning.words import PROGRAMME_CHANNELS, WORDS, condition_words
+from chord_usd.workshop.data.descriptions import describe
+from chord_usd.workshop.data.houses import random_plan
+from chord_usd.workshop.training.floor_stream import FloorStream, FloorStreamConfig
 from tests.exit_codes import written
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.scene.chord_json import write_plan, write_scene
+from chord_usd.base.scene.chord_json import write_plan, write_scene
 from tests.strangers import tree
 
 NOBODY = 65534

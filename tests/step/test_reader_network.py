@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import torch
 
+from chord_usd.base.errors import CheckpointError
+from chord_usd.base.raster.page_labels import BUILT_NAMES, KIND_NAMES, READER_INPUT
+from chord_usd.base.runtime.networks import load_network
 from chord_usd.cli import main
-from chord_usd.errors import CheckpointError
-from chord_usd.plan.segment import load_reader
-from chord_usd.raster.page_labels import BUILT_NAMES, KIND_NAMES, READER_INPUT
-from chord_usd.runtime.networks import load_network
-from chord_usd.training.reader_data import (
+from chord_usd.line.plan.segment import load_reader
+from chord_usd.workshop.training.reader_data import (
     CROP_PX,
     PageStream,
     batch_of,
@@ -23,8 +23,8 @@ from chord_usd.training.reader_data import (
     held_out,
     posed,
 )
-from chord_usd.training.reader_network import OUTPUTS, ReaderNetwork, Reading
-from chord_usd.training.reader_trainer import (
+from chord_usd.workshop.training.reader_network import OUTPUTS, ReaderNetwork, Reading
+from chord_usd.workshop.training.reader_trainer import (
     ReaderTraining,
     batch_losses,
     score,
@@ -146,7 +146,7 @@ def test_a_few_steps_learn_and_a_run_goes_on(tmp_path: Path) -> None:
 
 
 def test_small_pages_are_cropped_too() -> None:
-    from chord_usd.data.drawn.crowded import draw_page
+    from chord_usd.workshop.data.drawn.crowded import draw_page
 
     rng = np.random.default_rng(0)
     for side in (100.0, 700.0):

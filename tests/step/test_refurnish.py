@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdUtils
 
-from chord_usd.errors import StageError
-from chord_usd.pipeline import one_room
-from chord_usd.scene.types import Asset, Item, Provenance, SceneGraph
-from chord_usd.scene.units import rotation_2d
-from chord_usd.stage.attribution import attribution_file
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import check_stage
-from chord_usd.stage.refurnish import NewFurniture, read_house, refurnish
+from chord_usd.base.errors import StageError
+from chord_usd.base.scene.types import Asset, Item, Provenance, SceneGraph
+from chord_usd.base.scene.units import rotation_2d
+from chord_usd.line.pipeline import one_room
+from chord_usd.line.stage.author.attribution import attribution_file
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_stage import check_stage
+from chord_usd.line.stage.edit.refurnish import NewFurniture, read_house, refurnish
 
 MADE = Provenance(checkpoint_hash="feed", seed=8)
 

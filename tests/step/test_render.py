@@ -22,20 +22,20 @@ from render_house import SIZE_PX, TINY, define_box, paint_red, write_house
 from scipy.stats import spearmanr
 
 from chord_usd import cli
-from chord_usd.assets.look_library import StyleLooks
-from chord_usd.errors import OutputError, RenderError, StageError
-from chord_usd.image.exr import read_exr
-from chord_usd.image.made import picture_record, stage_digest
-from chord_usd.image.options import RenderOptions
-from chord_usd.image.products import MADE_NOTE, are_finished
-from chord_usd.image.render import Rendered, render_stage, unfinished
-from chord_usd.image.stage_cameras import read_views
-from chord_usd.image.turntable import turn_cameras
-from chord_usd.image.walkthrough import walk_cameras
-from chord_usd.runtime.manifest import MANIFEST_FILE
-from chord_usd.runtime.stages import StageFiles
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.author import author_stage
+from chord_usd.base.errors import OutputError, RenderError, StageError
+from chord_usd.base.runtime.manifest import MANIFEST_FILE
+from chord_usd.base.runtime.stages import StageFiles
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.library.looks.look_library import StyleLooks
+from chord_usd.line.image.exr import read_exr
+from chord_usd.line.image.made import picture_record, stage_digest
+from chord_usd.line.image.options import RenderOptions
+from chord_usd.line.image.products import MADE_NOTE, are_finished
+from chord_usd.line.image.render import Rendered, render_stage, unfinished
+from chord_usd.line.image.stage_cameras import read_views
+from chord_usd.line.image.turntable import turn_cameras
+from chord_usd.line.image.walkthrough import walk_cameras
+from chord_usd.line.stage.author.author_stage import author_stage
 
 LooksOf = Callable[[int], StyleLooks]
 
@@ -370,7 +370,7 @@ def test_an_interrupt_ends_blender_and_leaves_no_part(house, tmp_path):
     """A run that would take minutes, interrupted as by Ctrl-C once it renders."""
     code = (
         "import sys; from pathlib import Path\n"
-        "from chord_usd.image.render import RenderOptions, render_stage\n"
+        "from chord_usd.line.image.render import RenderOptions, render_stage\n"
         "options = RenderOptions(cameras=('Bedroom_0',), device='cpu', samples=60000)\n"
         "told = lambda done, total: print(done, flush=True)\n"
         "render_stage(Path(sys.argv[1]), Path(sys.argv[2]), options, told)\n"

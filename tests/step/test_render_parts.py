@@ -11,12 +11,12 @@ import pytest
 from PIL import Image
 from render_house import TINY, write_house
 
-from chord_usd.errors import RenderError
-from chord_usd.image.exr import read_exr, write_exr
-from chord_usd.image.made import settings_record
-from chord_usd.image.options import RenderOptions
-from chord_usd.image.products import read_mask
-from chord_usd.image.render import render_stage
+from chord_usd.base.errors import RenderError
+from chord_usd.line.image.exr import read_exr, write_exr
+from chord_usd.line.image.made import settings_record
+from chord_usd.line.image.options import RenderOptions
+from chord_usd.line.image.products import read_mask
+from chord_usd.line.image.render import render_stage
 
 SIZE_PX = (32, 19)
 """An odd height: bands of 9 and 10 rows."""

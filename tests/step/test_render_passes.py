@@ -14,13 +14,13 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 from shapely.geometry import Polygon
 
-from chord_usd.image.exr import read_exr
-from chord_usd.image.joined import joined_rooms, touching
-from chord_usd.image.options import QUALITIES, RenderOptions
-from chord_usd.image.products import read_mask, write_coco
-from chord_usd.image.render import Rendered, render_stage
-from chord_usd.image.stage_cameras import read_views
-from chord_usd.scene.label_sets import classes_of
+from chord_usd.base.scene.label_sets import classes_of
+from chord_usd.line.image.exr import read_exr
+from chord_usd.line.image.joined import joined_rooms, touching
+from chord_usd.line.image.options import QUALITIES, RenderOptions
+from chord_usd.line.image.products import read_mask, write_coco
+from chord_usd.line.image.render import Rendered, render_stage
+from chord_usd.line.image.stage_cameras import read_views
 
 DATA = ("depth", "normal", "instance", "semantic")
 CAMERA = "Bedroom_0"

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from chord_usd.errors import OutputError
-from chord_usd.image.preview import PAPER, PICTURE_PX, WALL, Sheet, draw_preview, preview_rgb
-from chord_usd.scene.palette import category
-from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.base.errors import OutputError
+from chord_usd.base.scene.palette import category
+from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.line.image.preview import PAPER, PICTURE_PX, WALL, Sheet, draw_preview, preview_rgb
 
 
 @pytest.fixture

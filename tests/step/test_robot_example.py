@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from chord_usd.assets.database import load_database
-from chord_usd.scene.types import Box, Item, Opening, Plan, Room, frozen_array
-from chord_usd.stage.author import author_stage
+from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, frozen_array
+from chord_usd.library.database import load_database
+from chord_usd.line.stage.author.author_stage import author_stage
 
 ROOT = Path(__file__).parents[2]
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 from chord_usd import cli
+from chord_usd.base.errors import ChordError
 from chord_usd.cli import UNUSABLE, build_parser
-from chord_usd.commands.common import Outcome
-from chord_usd.commands.paths import check_paths, named_paths, output_file
-from chord_usd.errors import ChordError
+from chord_usd.faces.commands.common import Outcome
+from chord_usd.faces.commands.paths import check_paths, named_paths, output_file
 from tests.strangers_verbs import INPUTS, OUTPUTS, make_home
 
 FREE = ("MD", "FILE")

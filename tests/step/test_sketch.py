@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd.errors import CheckpointError
-from chord_usd.pipeline.planner import SKETCH_CHECKPOINT
-from chord_usd.planning import sketch_tokens as tokens
-from chord_usd.planning.floor_sheet import on_sheet, sheet_for_area, shell_sheet, slips
-from chord_usd.planning.outline import open_shell
-from chord_usd.planning.sketcher import GRAPH_INPUTS, Sketcher, load_sketcher, open_ground
-from chord_usd.runtime.locations import checkpoint_folder
-from chord_usd.scene.wish import Wish
-from chord_usd.training.sketch_data import batch_of, endless_batches, held_out, procedural
-from chord_usd.training.sketch_network import SketchNetwork
-from chord_usd.training.sketch_trainer import SketchTraining, batch_loss, train_sketches
+from chord_usd.base.errors import CheckpointError
+from chord_usd.base.runtime.locations import checkpoint_folder
+from chord_usd.base.scene.wish import Wish
+from chord_usd.line.pipeline.planner import SKETCH_CHECKPOINT
+from chord_usd.line.planning import sketch_tokens as tokens
+from chord_usd.line.planning.floor_sheet import on_sheet, sheet_for_area, shell_sheet, slips
+from chord_usd.line.planning.outline import open_shell
+from chord_usd.line.planning.sketcher import GRAPH_INPUTS, Sketcher, load_sketcher, open_ground
+from chord_usd.workshop.training.sketch_data import batch_of, endless_batches, held_out, procedural
+from chord_usd.workshop.training.sketch_network import SketchNetwork
+from chord_usd.workshop.training.sketch_trainer import SketchTraining, batch_loss, train_sketches
 
 HOUSES = procedural(40, 0)
 
@@ -102,7 +102,7 @@ def test_most_sketches_could_be_houses(sketcher: Sketcher) -> None:
     sheet = sheet_for_area(70.0)
     clean = sum(not slips(sheet, one.bubbles) for one in sketches)
     assert clean >= 15
-    from chord_usd.data.houses import random_plan
+    from chord_usd.workshop.data.houses import random_plan
 
     shell, patches = shell_sheet(open_shell(random_plan(np.random.default_rng(1))))
     within = [

@@ -10,11 +10,11 @@ import pytest
 import shapely
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSemantics
 
-from chord_usd.errors import StageError
-from chord_usd.scene.geometry import footprint, room_polygon
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.summary import StageSummary, summary
-from chord_usd.stage.walls import build_walls
+from chord_usd.base.errors import StageError
+from chord_usd.base.scene.geometry import footprint, room_polygon
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.line.stage.read.summary import StageSummary, summary
+from chord_usd.line.stage.shell.walls import build_walls
 
 
 def prims_with_id(stage: Usd.Stage) -> dict[str, Usd.Prim]:

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from pxr import Usd
 
+from chord_usd.base.errors import StageError
+from chord_usd.base.scene.types import SceneGraph
 from chord_usd.cli import main
-from chord_usd.errors import StageError
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.describe import describe_stage
+from chord_usd.line.stage.read.describe import describe_stage
 
 
 def test_every_piece_is_told_where_it_is(staged_house: Path, staged_graph: SceneGraph) -> None:

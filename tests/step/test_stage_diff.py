@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 from pxr import Usd, UsdGeom
 
-from chord_usd.assets.look_library import StyleLooks
-from chord_usd.errors import StageError
-from chord_usd.scene.types import Item, SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.diff import diff_stages
+from chord_usd.base.errors import StageError
+from chord_usd.base.scene.types import Item, SceneGraph
+from chord_usd.library.looks.look_library import StyleLooks
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.read.diff import diff_stages
 
 
 @pytest.fixture

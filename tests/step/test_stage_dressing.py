@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
-from chord_usd.assets.look_library import StyleLooks
-from chord_usd.image.annotations import category_ids
-from chord_usd.image.marks import read_marks
-from chord_usd.scene.types import Asset, Box, Facts, Item, Provenance, SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.describe import describe_stage
-from chord_usd.stage.diff import diff_stages
-from chord_usd.stage.refurnish import NewFurniture, read_house, refurnish
-from chord_usd.stage.summary import summary
+from chord_usd.base.scene.types import Asset, Box, Facts, Item, Provenance, SceneGraph
+from chord_usd.library.looks.look_library import StyleLooks
+from chord_usd.line.image.annotations import category_ids
+from chord_usd.line.image.marks import read_marks
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.edit.refurnish import NewFurniture, read_house, refurnish
+from chord_usd.line.stage.read.describe import describe_stage
+from chord_usd.line.stage.read.diff import diff_stages
+from chord_usd.line.stage.read.summary import summary
 
 
 @pytest.fixture(scope="module")

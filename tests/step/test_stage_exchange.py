@@ -15,17 +15,17 @@ import yaml
 from pxr import Usd, UsdGeom
 from shapely.geometry import Point
 
+from chord_usd.base.errors import MissingExtraError, OutputError, StageError
+from chord_usd.base.metrics.walk import WALKER_RADIUS_M
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
 from chord_usd.cli import UNUSABLE, main
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import MissingExtraError, OutputError, StageError
-from chord_usd.metrics.walk import WALKER_RADIUS_M
-from chord_usd.plan.read import read_plan_file
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.exchange.built_house import House, house_of
-from chord_usd.stage.exchange.occupancy import FREE, OCCUPIED, RESOLUTION_M
-from chord_usd.stage.export import export_stage
+from chord_usd.line.plan.read import read_plan_file
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.export.exchange.built_house import House, house_of
+from chord_usd.line.stage.export.exchange.occupancy import FREE, OCCUPIED, RESOLUTION_M
+from chord_usd.line.stage.export.export_stage import export_stage
+from chord_usd.workshop.data.houses import random_plan
 from tests.bare_stage import write_bare_stage
 from tests.plan_alike import likeness
 

@@ -13,12 +13,18 @@ import pytest
 import trimesh
 from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 
+from chord_usd.base.errors import OutputError
 from chord_usd.cli import UNUSABLE, main
-from chord_usd.errors import OutputError
-from chord_usd.stage.export import export_stage
-from chord_usd.stage.gltf import write_glb
-from chord_usd.stage.gltf_lights import LUX_PER_UNIT
-from chord_usd.stage.textures import bound_material, placed, placement_of, source_of, st_of
+from chord_usd.line.stage.author.textures import (
+    bound_material,
+    placed,
+    placement_of,
+    source_of,
+    st_of,
+)
+from chord_usd.line.stage.export.export_stage import export_stage
+from chord_usd.line.stage.export.gltf import write_glb
+from chord_usd.line.stage.export.gltf_lights import LUX_PER_UNIT
 
 Y_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)

@@ -11,15 +11,15 @@ from pathlib import Path
 import pytest
 from pxr import Sdf, Usd, UsdShade, UsdUtils, UsdValidation
 
-from chord_usd.assets.look_library import StyleLooks
-from chord_usd.errors import AssetError, OutputError, SceneError
-from chord_usd.runtime.files import deliver
-from chord_usd.runtime.stages import files_of
-from chord_usd.scene.geometry import room_polygon, seams
-from chord_usd.scene.types import Asset, SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import check_stage
-from chord_usd.stage.summary import summary
+from chord_usd.base.errors import AssetError, OutputError, SceneError
+from chord_usd.base.runtime.files import deliver
+from chord_usd.base.runtime.stages import files_of
+from chord_usd.base.scene.geometry import room_polygon, seams
+from chord_usd.base.scene.types import Asset, SceneGraph
+from chord_usd.library.looks.look_library import StyleLooks
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_stage import check_stage
+from chord_usd.line.stage.read.summary import summary
 
 LooksOf = Callable[[int], StyleLooks]
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from pxr import Usd
 
-from chord_usd.data.houses import random_plan
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check_rules import broken_rules
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_rules import broken_rules
+from chord_usd.workshop.data.houses import random_plan
 
 
 @pytest.mark.parametrize("seed", [1, 5, 8, 12, 21, 26, 38])

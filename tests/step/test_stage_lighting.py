@@ -11,18 +11,18 @@ import OpenEXR
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
-from chord_usd.errors import ChordError, RenderError
-from chord_usd.image.exr import write_exr
-from chord_usd.image.picture_layers import lit_stage
-from chord_usd.image.stage_cameras import read_views
-from chord_usd.raster.hdri import developed, read_hdri, require_picture
-from chord_usd.runtime.confined import Limits, confined
-from chord_usd.scene.skies import SKIES, sky_named
-from chord_usd.scene.types import Asset, Box, Item, Opening, Plan, Room, SceneGraph
-from chord_usd.stage.attribution import attribution_file
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.lighting import MOODS, sky_rgb, sun_yaw_deg
-from chord_usd.stage.walls import build_walls
+from chord_usd.base.errors import ChordError, RenderError
+from chord_usd.base.raster.hdri import developed, read_hdri, require_picture
+from chord_usd.base.runtime.confined import Limits, confined
+from chord_usd.base.scene.skies import SKIES, sky_named
+from chord_usd.base.scene.types import Asset, Box, Item, Opening, Plan, Room, SceneGraph
+from chord_usd.line.image.exr import write_exr
+from chord_usd.line.image.picture_layers import lit_stage
+from chord_usd.line.image.stage_cameras import read_views
+from chord_usd.line.stage.author.attribution import attribution_file
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.author.lighting import MOODS, sky_rgb, sun_yaw_deg
+from chord_usd.line.stage.shell.walls import build_walls
 
 SQUARE = Room("r", "living", np.array([(0, 0), (4, 0), (4, 3), (0, 3)], float))
 

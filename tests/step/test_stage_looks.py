@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 
-from chord_usd.assets.database import load_database
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.graph.match import match_assets
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import check_stage
-from chord_usd.stage.shared_looks import LOOKS, LOOKS_SET
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.library.database import load_database
+from chord_usd.line.graph.match import match_assets
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.author.shared_looks import LOOKS, LOOKS_SET
+from chord_usd.line.stage.check.check_stage import check_stage
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 _ALL = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 

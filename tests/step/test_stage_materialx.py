@@ -9,11 +9,11 @@ import MaterialX as mx  # type: ignore[import-untyped]  # noqa: N813
 import pytest
 from pxr import Sdf, Usd, UsdShade
 
-from chord_usd.assets.database import load_database
+from chord_usd.base.scene.types import Box, Item, Room, SceneGraph, frozen_array
 from chord_usd.cli import UNUSABLE, main
-from chord_usd.scene.types import Box, Item, Room, SceneGraph, frozen_array
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.export import export_stage
+from chord_usd.library.database import load_database
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.export.export_stage import export_stage
 
 KINDS = {
     "color3f": "color3", "color4f": "color4", "float": "float", "float2": "vector2",

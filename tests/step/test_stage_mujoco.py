@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
 
-from chord_usd.assets.database import AssetDatabase, load_database
+from chord_usd.base.errors import OutputError, StageError
+from chord_usd.base.scene.types import Item, SceneGraph
 from chord_usd.cli import UNUSABLE, main
-from chord_usd.errors import OutputError, StageError
-from chord_usd.scene.types import Item, SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.export import export_stage
+from chord_usd.library.database import AssetDatabase, load_database
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.export.export_stage import export_stage
 
 PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 MOST_M, MOST_RAD = 0.01, 0.1

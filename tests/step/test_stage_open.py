@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from pxr import Usd, UsdPhysics
 
-from chord_usd.assets.database import load_database
-from chord_usd.scene.types import Item, SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check import check_stage
-from chord_usd.stage.check_rules import broken_rules
+from chord_usd.base.scene.types import Item, SceneGraph
+from chord_usd.library.database import load_database
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_rules import broken_rules
+from chord_usd.line.stage.check.check_stage import check_stage
 
 OPENS = ("bedside_table", "cabinet")
 

@@ -8,10 +8,10 @@ import numpy as np
 import shapely
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.physics import DOOR_OPENS_DEG, KG_PER_M3
-from chord_usd.stage.walls import build_walls
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.line.stage.author.physics import DOOR_OPENS_DEG, KG_PER_M3
+from chord_usd.line.stage.shell.walls import build_walls
 
 PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 

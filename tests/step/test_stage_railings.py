@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
-from chord_usd.scene.types import Box, Opening, Plan, Room, SceneGraph
-from chord_usd.stage.author import author_stage
-from chord_usd.stage.check_rules import broken_rules
-from chord_usd.stage.railings import KERB_M, RAIL_M
-from chord_usd.stage.walls import build_walls
+from chord_usd.base.scene.types import Box, Opening, Plan, Room, SceneGraph
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_rules import broken_rules
+from chord_usd.line.stage.shell.railings import KERB_M, RAIL_M
+from chord_usd.line.stage.shell.walls import build_walls
 
 LIVING = Room("l", "living", np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]]))
 BALCONY = Room("b", "balcony", np.array([[1.0, 4.24], [4.0, 4.24], [4.0, 5.7], [1.0, 5.7]]))

@@ -11,17 +11,17 @@ import pytest
 from PIL import Image
 from pxr import Usd, UsdGeom
 
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.errors import RenderError
-from chord_usd.image.options import RenderOptions
-from chord_usd.image.picture_layers import lit_stage
-from chord_usd.image.render import render_stage
-from chord_usd.scene.roof_planes import OVERHANG_M
-from chord_usd.scene.storeys import stack
-from chord_usd.stage.author import author_levels
-from chord_usd.stage.check import check_stage
-from chord_usd.stage.gltf import write_view
-from chord_usd.stage.stage_levels import levels_of
+from chord_usd.base.errors import RenderError
+from chord_usd.base.scene.roof_planes import OVERHANG_M
+from chord_usd.base.scene.storeys import stack
+from chord_usd.line.image.options import RenderOptions
+from chord_usd.line.image.picture_layers import lit_stage
+from chord_usd.line.image.render import render_stage
+from chord_usd.line.stage.author.author_stage import author_levels
+from chord_usd.line.stage.author.stage_levels import levels_of
+from chord_usd.line.stage.check.check_stage import check_stage
+from chord_usd.line.stage.export.gltf import write_view
+from chord_usd.workshop.data.storey_houses import random_storeys
 
 
 def written(folder: Path, roof: str, storeys: int) -> Path:

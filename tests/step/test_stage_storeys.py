@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom
 
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.errors import StageError
-from chord_usd.scene.storeys import STOREY_M, Building, stack
-from chord_usd.stage.author import author_levels, author_stage
-from chord_usd.stage.check import check_stage
-from chord_usd.stage.check_scene import read_scene
-from chord_usd.stage.stage_levels import levels_of
+from chord_usd.base.errors import StageError
+from chord_usd.base.scene.storeys import STOREY_M, Building, stack
+from chord_usd.line.stage.author.author_stage import author_levels, author_stage
+from chord_usd.line.stage.author.stage_levels import levels_of
+from chord_usd.line.stage.check.check_scene import read_scene
+from chord_usd.line.stage.check.check_stage import check_stage
+from chord_usd.workshop.data.storey_houses import random_storeys
 from tests.stair_houses import cornered, terraced
 
 

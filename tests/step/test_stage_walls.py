@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 import shapely
 
-from chord_usd.data.houses import random_plan
-from chord_usd.scene.types import Box, Opening, Plan, Room
-from chord_usd.stage.mesh import Face, mesh_of
-from chord_usd.stage.opening_parts import lining_faces, sill_faces
-from chord_usd.stage.walls import (
+from chord_usd.base.scene.types import Box, Opening, Plan, Room
+from chord_usd.line.stage.shell.mesh import Face, mesh_of
+from chord_usd.line.stage.shell.opening_parts import lining_faces, sill_faces
+from chord_usd.line.stage.shell.walls import (
     ROOM_HEIGHT_M,
     Walls,
     build_walls,
     top_faces,
     wall_faces,
 )
+from chord_usd.workshop.data.houses import random_plan
 from tests.every import for_every
 
 

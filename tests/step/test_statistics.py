@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.data import paper_tables as paper
-from chord_usd.data.floorplans.programme import spread_room_count
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.data.statistics import as_text, count_houses, total_variation
+from chord_usd.workshop.data import paper_tables as paper
+from chord_usd.workshop.data.floorplans.programme import spread_room_count
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
+from chord_usd.workshop.data.statistics import as_text, count_houses, total_variation
 
 HISTOGRAMS = st.dictionaries(st.sampled_from("abcdef"), st.integers(1, 1000), min_size=1)
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from chord_usd.assets.cloth.stored import FOLDER, names, save, stored
-from chord_usd.errors import AssetError
+from chord_usd.base.errors import AssetError
+from chord_usd.library.cloth.stored import FOLDER, names, save, stored
 from tests.every import for_every
 
 SHEETS = ("coat_", "curtain_")
@@ -60,7 +60,7 @@ def test_all_of_them_are_small_and_stay_the_same_when_stored_again() -> None:
 
 
 def test_a_stored_cloth_reads_back(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("chord_usd.assets.cloth.stored.FOLDER", tmp_path)
+    monkeypatch.setattr("chord_usd.library.cloth.stored.FOLDER", tmp_path)
     points = np.random.default_rng(0).uniform(-1.0, 2.0, (50, 3))
     faces = np.arange(48).reshape(16, 3)[:, ::-1]
     first = save("made_up", points, faces, points[:, :2]).read_bytes()

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from chord_usd.base.runtime.files import hash_file
 from chord_usd.cli import UNUSABLE, main
-from chord_usd.runtime.files import hash_file
 from tests.strangers_verbs import INPUTS, OUTPUTS, make_home
 
 EDITED_IN_PLACE = ("regenerate", "--output")

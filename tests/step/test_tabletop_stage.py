@@ -9,28 +9,28 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd.assets.asset_relief import relief_of
-from chord_usd.assets.database import AssetDatabase, load_database
-from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.tabletops import lay
-from chord_usd.data.tabletops.board import Outline
-from chord_usd.data.tabletops.tops import Piece
-from chord_usd.errors import AssetError, CheckpointError
-from chord_usd.graph.match import match_assets
-from chord_usd.graph.tabletop import table_views
-from chord_usd.layout.checkpoint import load_checkpoint
-from chord_usd.layout.config import PRESETS, TABLE, LayoutConfig
-from chord_usd.layout.network import LayoutNetwork
-from chord_usd.layout.transfer import adopt
-from chord_usd.metrics.overlap import scene_overlap
-from chord_usd.pipeline import Settings, lay_tables
-from chord_usd.raster.table_top import TableTop, draw_table
-from chord_usd.scene.geometry import footprint_polygon
-from chord_usd.scene.palette import SUPPORTS, TABLE_CATEGORIES, category
-from chord_usd.scene.types import Asset, Box, Item, SceneGraph
-from chord_usd.training.sheets import draw_sheet
-from chord_usd.training.stream import TableStream, TableStreamConfig, batch_loader
-from chord_usd.training.trainer import LayoutTrainer, TrainingConfig
+from chord_usd.base.errors import AssetError, CheckpointError
+from chord_usd.base.metrics.overlap import scene_overlap
+from chord_usd.base.raster.table_top import TableTop, draw_table
+from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.palette import SUPPORTS, TABLE_CATEGORIES, category
+from chord_usd.base.scene.types import Asset, Box, Item, SceneGraph
+from chord_usd.library.asset_relief import relief_of
+from chord_usd.library.database import AssetDatabase, load_database
+from chord_usd.line.graph.match import match_assets
+from chord_usd.line.graph.tabletop import table_views
+from chord_usd.line.layout.checkpoint import load_checkpoint
+from chord_usd.line.layout.config import PRESETS, TABLE, LayoutConfig
+from chord_usd.line.layout.network import LayoutNetwork
+from chord_usd.line.layout.transfer import adopt
+from chord_usd.line.pipeline import Settings, lay_tables
+from chord_usd.workshop.data.floorplans.dice import Dice
+from chord_usd.workshop.data.tabletops import lay
+from chord_usd.workshop.data.tabletops.board import Outline
+from chord_usd.workshop.data.tabletops.tops import Piece
+from chord_usd.workshop.training.sheets import draw_sheet
+from chord_usd.workshop.training.stream import TableStream, TableStreamConfig, batch_loader
+from chord_usd.workshop.training.trainer import LayoutTrainer, TrainingConfig
 
 TINY = replace(
     TABLE, channels=(16, 32), attention=(False, False), feature_channels=16, default_steps=2

@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from chord_usd.base.scene.chord_json import write_scene
+from chord_usd.base.scene.types import SceneGraph
 from chord_usd.cli import main
-from chord_usd.data.splits import part_of
-from chord_usd.evaluation.cases import Case
-from chord_usd.evaluation.layouts import Sampling
-from chord_usd.evaluation.realism import reference_layouts
-from chord_usd.layout.config import PRESETS
-from chord_usd.scene.chord_json import write_scene
-from chord_usd.scene.types import SceneGraph
-from chord_usd.training.lists_data import endless_houses
-from chord_usd.training.stream import LayoutStream, StreamConfig
+from chord_usd.line.layout.config import PRESETS
+from chord_usd.workshop.data.splits import part_of
+from chord_usd.workshop.evaluation.cases import Case
+from chord_usd.workshop.evaluation.layouts import Sampling
+from chord_usd.workshop.evaluation.realism import reference_layouts
+from chord_usd.workshop.training.lists_data import endless_houses
+from chord_usd.workshop.training.stream import LayoutStream, StreamConfig
 
 NAMES = [f"mine_{index}" for index in range(6)]
 TRAINED = [name for name in NAMES if part_of(name) == "train"]

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 import torch
 
-from chord_usd.errors import CheckpointError
-from chord_usd.layout.checkpoint import load_checkpoint
-from chord_usd.layout.codes import CLASS_COUNT
-from chord_usd.layout.config import PRESETS, LayoutConfig
-from chord_usd.raster import canvas
-from chord_usd.training import training_state
-from chord_usd.training.sheets import draw_sheet
-from chord_usd.training.stream import (
+from chord_usd.base.errors import CheckpointError
+from chord_usd.base.raster import canvas
+from chord_usd.line.layout.checkpoint import load_checkpoint
+from chord_usd.line.layout.codes import CLASS_COUNT
+from chord_usd.line.layout.config import PRESETS, LayoutConfig
+from chord_usd.workshop.training import training_state
+from chord_usd.workshop.training.sheets import draw_sheet
+from chord_usd.workshop.training.stream import (
     LayoutStream,
     StreamConfig,
     batch_loader,
 )
-from chord_usd.training.trainer import PAPER_TRAINING, LayoutTrainer, TrainingConfig
+from chord_usd.workshop.training.trainer import PAPER_TRAINING, LayoutTrainer, TrainingConfig
 
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, False), feature_channels=16,

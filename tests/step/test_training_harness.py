@@ -19,17 +19,17 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from torch import Tensor, nn
 
+from chord_usd.base.errors import CheckpointError, SceneError
+from chord_usd.base.runtime.locations import shipped_checkpoints
 from chord_usd.cli import build_parser, main
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.data.kept_set import KeptHouse, read_kept, write_kept
-from chord_usd.errors import CheckpointError, SceneError
-from chord_usd.runtime.locations import shipped_checkpoints
-from chord_usd.training.eight_bits import pack, unpack
-from chord_usd.training.held_out import HeldOut, curve_of, draw_curve, slope_left
-from chord_usd.training.loop import Lesson, RunConfig, train, write_weights
-from chord_usd.training.next_network import standings
-from chord_usd.training.weights import WARM_SHARE, Weights, warm_and_cool
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
+from chord_usd.workshop.data.kept_set import KeptHouse, read_kept, write_kept
+from chord_usd.workshop.training.eight_bits import pack, unpack
+from chord_usd.workshop.training.held_out import HeldOut, curve_of, draw_curve, slope_left
+from chord_usd.workshop.training.loop import Lesson, RunConfig, train, write_weights
+from chord_usd.workshop.training.next_network import standings
+from chord_usd.workshop.training.weights import WARM_SHARE, Weights, warm_and_cool
 
 QUICK = RunConfig(
     minutes=0.01, batch=1, learning_rate=1e-2, warmup_steps=200, cooldown_share=0.5,
@@ -252,8 +252,8 @@ class TestNext:
 _OF_TWO = """
 import sys, torch
 from torch import nn
-from chord_usd.training.processes import Processes
-from chord_usd.training.weights import Weights
+from chord_usd.workshop.training.processes import Processes
+from chord_usd.workshop.training.weights import Weights
 processes = Processes("cpu")
 torch.manual_seed(0)
 weights = Weights(nn.Linear(3, 1, bias=False), 0.1, 0.0, 0.9, processes)

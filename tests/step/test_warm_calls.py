@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.errors import ChordError
-from chord_usd.runtime.warm_calls import WarmVerbs
+from chord_usd.base.errors import ChordError
+from chord_usd.base.runtime.warm_calls import WarmVerbs
 
 PLAN = Path(__file__).parents[1] / "fixtures" / "furnished_house.json"
 

@@ -216,7 +216,7 @@ def test_commands_are_ones_that_chord_usd_takes(tmp_path: Path) -> None:
 def test_roofs_are_those_of_the_program_and_asked_for_only_where_one_is_wanted(
     tmp_path: Path,
 ) -> None:
-    from chord_usd.scene.roof_forms import ROOF_FORMS
+    from chord_usd.base.scene.roof_forms import ROOF_FORMS
 
     assert tuple(commands.ROOFS) == ROOF_FORMS
     plan = tmp_path / "plan.png"
@@ -253,14 +253,14 @@ def test_wishes_reach_the_program_as_they_were_written(tmp_path: Path) -> None:
 
 
 def test_passes_are_those_of_the_program() -> None:
-    from chord_usd.image.options import PASSES
+    from chord_usd.line.image.options import PASSES
 
     assert set(commands.PASSES) == set(PASSES)
 
 
 def test_plans_are_those_that_the_program_reads() -> None:
-    from chord_usd.batch.work_units import PLAN_SUFFIXES
-    from chord_usd.plan.vector.formats import SUFFIXES
+    from chord_usd.faces.batch.work_units import PLAN_SUFFIXES
+    from chord_usd.line.plan.vector.formats import SUFFIXES
 
     assert {*SUFFIXES, ".pdf", ".json"} <= set(commands.PLAN_SUFFIXES)
     assert set(PLAN_SUFFIXES) == set(commands.PLAN_SUFFIXES)

@@ -91,14 +91,14 @@ def test_what_was_understood_is_told_in_words() -> None:
 def test_what_the_program_tells_of_a_planned_floor_is_understood() -> None:
     import numpy as np
 
-    from chord_usd.commands.planned import planned_report
-    from chord_usd.pipeline.planner import Commission, Planned
-    from chord_usd.planning.choose import judged
-    from chord_usd.planning.floor_sheet import blank_sheet
-    from chord_usd.planning.words import condition_words
-    from chord_usd.raster.plan_labels import SCALES_M, sheet_frame
-    from chord_usd.scene.types import Plan, Room
-    from chord_usd.scene.wish import Wish
+    from chord_usd.base.raster.plan_labels import SCALES_M, sheet_frame
+    from chord_usd.base.scene.types import Plan, Room
+    from chord_usd.base.scene.wish import Wish
+    from chord_usd.faces.commands.planned import planned_report
+    from chord_usd.line.pipeline.planner import Commission, Planned
+    from chord_usd.line.planning.choose import judged
+    from chord_usd.line.planning.floor_sheet import blank_sheet
+    from chord_usd.line.planning.words import condition_words
 
     square = np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]])
     wish = Wish({"bedroom": 2}, area_m2=40.0)

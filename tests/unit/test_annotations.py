@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from chord_usd.image.annotations import category_ids, intrinsics_px, run_lengths, semantic_mask
-from chord_usd.image.job import Job, Negative, Part, Quality, read_job, write_job
-from chord_usd.image.marks import Thing
-from chord_usd.image.stage_cameras import StageCamera
+from chord_usd.line.image.annotations import category_ids, intrinsics_px, run_lengths, semantic_mask
+from chord_usd.line.image.job import Job, Negative, Part, Quality, read_job, write_job
+from chord_usd.line.image.marks import Thing
+from chord_usd.line.image.stage_cameras import StageCamera
 
 IDENTITY = tuple(tuple(float(i == j) for j in range(4)) for i in range(4))
 VIEW = StageCamera(

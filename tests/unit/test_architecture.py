@@ -20,37 +20,51 @@ CODE = sorted(
     for file in (ROOT / folder).rglob("*.py")
 )
 
-BASE = ("errors", "runtime", "scene", "raster")
-"""What everything may import; each of them, those before it."""
+WINGS: dict[str, tuple[str, ...]] = {
+    "base": ("errors", "runtime", "scene", "raster", "metrics"),
+    "library": ("library",),
+    "line": (
+        *("plan", "planning", "lists", "layout", "graph", "compose", "arrange", "dressing"),
+        *("stage", "image", "pipeline"),
+    ),
+    "workshop": ("data", "training", "evaluation"),
+    "faces": ("commands", "page", "batch", "farm", "standby", "cli", "api"),
+}
+"""Folders of the package and their parts. `cli` and `api` are doors, and lie at the root."""
 
-STEPS = ("plan", "planning", "lists", "layout", "graph", "arrange", "dressing", "stage", "image")
-WORKSHOP = ("assets", "data", "training", "evaluation", "metrics")
+BELOW: dict[str, set[str]] = {
+    "base": set(),
+    "library": {"base"},
+    "line": {"base", "library"},
+    "workshop": {"base", "library", "line"},
+    "faces": {"base", "library", "line", "workshop"},
+}
+"""Wings that a wing may import."""
+
+BASE = WINGS["base"]
+"""Parts that everything may import; each of them, those before it."""
+
+STEPS = tuple(part for part in WINGS["line"] if part != "pipeline")
+WORKSHOP = (*WINGS["workshop"], "library", "metrics")
 LINE = ("cli", "api", "standby", "commands", "pipeline", "pipeline.planner")
 
 ALLOWED: dict[str, set[str]] = {
     **{part: set(BASE[:index]) for index, part in enumerate(BASE)},
-    **{step: {"metrics"} for step in STEPS},
-    "arrange": {"graph", "metrics", "stage"},
-    "dressing": {"assets", "metrics"},
-    "assets": set(),
-    "metrics": set(),
-    "data": {"assets", "metrics"},
+    **{step: set() for step in STEPS},
+    "arrange": {"graph", "stage"},
+    "dressing": {"library"},
+    "library": set(),
+    "data": {"library", "compose"},
     "training": {"planning", "lists", "layout", "graph", "data"},
     "evaluation": {
-        "planning",
-        "lists",
-        "layout",
-        "graph",
-        "arrange",
-        "data",
-        "metrics",
+        *("planning", "lists", "layout", "graph", "arrange", "data"),
         "pipeline.redraw",
     },
     "farm": set(),
     "page": set(),
     "batch": {"pipeline", "data", "stage", "image"},
-    "pipeline.redraw": {"lists", "layout", "arrange", "metrics"},
-    "pipeline": {*STEPS, "assets", "pipeline.redraw"},
+    "pipeline.redraw": {"lists", "layout", "compose", "arrange"},
+    "pipeline": {*STEPS, "library", "pipeline.redraw"},
     "pipeline.planner": {"pipeline", *STEPS},
     "commands": {"pipeline", "pipeline.planner", "batch", "farm", "page", *STEPS, *WORKSHOP},
     "cli": {"commands"},
@@ -66,8 +80,8 @@ HEAVY = {
     "diffusers": ("layout", "training"),
     "ultralytics": ("training",),
     "onnx": ("training",),
-    "pxr": ("runtime", "arrange", "stage", "assets", "image"),
-    "bpy": ("image", "assets"),
+    "pxr": ("runtime", "arrange", "stage", "library", "image"),
+    "bpy": ("image", "library"),
     "transformers": ("planning", "training"),
 }
 """Which parts may import a heavy library at all."""
@@ -80,14 +94,21 @@ def name_of(file: Path) -> str:
 
 
 def part_named(names: Sequence[str]) -> str:
-    """The part that a module below the package belongs to."""
-    two = ".".join(names[:2])
-    return two if two in ALLOWED else names[0]
+    """The part of a module, by the names of its folders and file below the package."""
+    below = names[1:] if names[0] in WINGS and names[0] != "library" else names
+    two = ".".join(below[:2])
+    return two if two in ALLOWED else below[0] if below else names[0]
 
 
 def part_of(file: Path) -> str:
-    """The step, workshop part or base part a file belongs to."""
+    """The part of a file."""
     return part_named(file.relative_to(PACKAGE).with_suffix("").parts)
+
+
+def wing_of(part: str) -> str:
+    """The wing of a part; of entries at the root, the faces."""
+    part = part.split(".")[0]
+    return next((wing for wing, parts in WINGS.items() if part in parts), "faces")
 
 
 def imports_of(node: ast.AST) -> Iterator[tuple[str, ast.stmt]]:
@@ -132,6 +153,17 @@ def test_imports_point_one_way(file: Path) -> None:
     assert foreign <= allowed, f"{part} imports {foreign - allowed}"
 
 
+def test_folders_are_wings() -> None:
+    folders = {file.name for file in PACKAGE.iterdir() if (file / "__init__.py").is_file()}
+    assert folders == set(WINGS)
+
+
+@for_every("part", sorted(ALLOWED))
+def test_parts_import_no_wing_above_theirs(part: str) -> None:
+    wing = wing_of(part)
+    assert {wing_of(other) for other in ALLOWED[part]} <= {wing, *BELOW[wing]}
+
+
 @for_every("file", MODULES, ids=name_of)
 def test_heavy_libraries_stay_in_their_step(file: Path) -> None:
     part = part_of(file)
@@ -154,7 +186,7 @@ def test_the_line_and_the_base_import_steps_only_inside_functions(file: Path) ->
             parts = name.split(".")
             assert parts[0] not in HEAVY, name
             if parts[0] == "chord_usd" and len(parts) > 1:
-                assert parts[1] not in (*STEPS, *WORKSHOP), name
+                assert part_named(parts[1:]) not in (*STEPS, *WORKSHOP), name
             assert not (line and parts[0] in ("numpy", "PIL", "cv2", "shapely")), name
 
 
@@ -186,7 +218,7 @@ def test_no_absolute_paths(file: Path) -> None:
 def test_every_palette_colour_is_written_once() -> None:
     """One table per fact: no other module holds the paper's colours."""
     code = re.compile(r"""["']#?([0-9A-Fa-f]{6})["']""")
-    colours = set(code.findall((PACKAGE / "scene/palette.py").read_text()))
+    colours = set(code.findall((PACKAGE / "base/scene/palette.py").read_text()))
     assert len(colours) > 28
     others = [f for f in MODULES if f.name != "palette.py"]
     assert [name_of(f) for f in others if colours & set(code.findall(f.read_text()))] == []

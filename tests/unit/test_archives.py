@@ -16,9 +16,9 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from chord_usd.errors import AssetError, PlanError, StageError
-from chord_usd.runtime import archives
-from chord_usd.runtime.archives import Archive
+from chord_usd.base.errors import AssetError, PlanError, StageError
+from chord_usd.base.runtime import archives
+from chord_usd.base.runtime.archives import Archive
 
 
 def archive_of(path: Path, files: dict[str, bytes], method: int = zipfile.ZIP_STORED) -> Path:

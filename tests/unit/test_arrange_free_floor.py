@@ -8,11 +8,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd.arrange.free_floor import Painted, kept_off
-from chord_usd.graph.colours import NO_ITEM
-from chord_usd.metrics.clear_floor import ClearFloors, blocked_openings, clearances
-from chord_usd.raster.canvas import draw_items
-from chord_usd.scene.types import Box, Item, Opening, PixelFrame, Room, SceneGraph, frozen_array
+from chord_usd.base.metrics.clear_floor import ClearFloors, blocked_openings, clearances
+from chord_usd.base.raster.canvas import draw_items
+from chord_usd.base.scene.types import (
+    Box,
+    Item,
+    Opening,
+    PixelFrame,
+    Room,
+    SceneGraph,
+    frozen_array,
+)
+from chord_usd.line.arrange.free_floor import Painted, kept_off
+from chord_usd.line.graph.colours import NO_ITEM
 
 ROOM = Room("room1", "bedroom", frozen_array([(0, 0), (4, 0), (4, 4), (0, 4)]))
 DOOR = Opening("door1", "door", Box((2.0, -0.05, 0.0), (0.8, 0.1, 2.0), 0.0))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.arrange.rules import arrange, edits_told, noted
-from chord_usd.metrics.violations import violations
-from chord_usd.scene.types import Box, Edit, Item, Room, SceneGraph, frozen_array
+from chord_usd.base.metrics.violations import violations
+from chord_usd.base.scene.types import Box, Edit, Item, Room, SceneGraph, frozen_array
+from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.arrange.rules import arrange, edits_told, noted
 
 ROOM = Room("r", "bedroom", frozen_array([[0, 0], [4, 0], [4, 3], [0, 3]]))
 BED = Item("r/bed_0", "bed", Box((1.0, 1.5, 0.0), (1.6, 2.0, 0.5), 0.0), "r")

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd.arrange.arrangement import Arrangement
-from chord_usd.arrange.seating import seat_chairs
-from chord_usd.metrics.overlap import scene_overlap
-from chord_usd.scene.geometry import footprint, footprint_polygon, front_direction
-from chord_usd.scene.palette import category
-from chord_usd.scene.types import Box, Facts, Item, Room, SceneGraph, frozen_array
+from chord_usd.base.metrics.overlap import scene_overlap
+from chord_usd.base.scene.geometry import footprint, footprint_polygon, front_direction
+from chord_usd.base.scene.palette import category
+from chord_usd.base.scene.types import Box, Facts, Item, Room, SceneGraph, frozen_array
+from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.arrange.seating import seat_chairs
 
 TABLE = Item("table", "dining_table", Box((2.0, 2.0, 0.0), (1.8, 0.8, 0.75), 30.0), "r")
 

@@ -7,9 +7,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.arrange.unit_runs import level_fronts
-from chord_usd.scene.geometry import footprint, footprint_polygon
-from chord_usd.scene.types import Box
+from chord_usd.base.scene.geometry import footprint, footprint_polygon
+from chord_usd.base.scene.types import Box
+from chord_usd.line.arrange.unit_runs import level_fronts
 
 PX_M = 0.044
 

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.assets import component, database
-from chord_usd.assets.database import AssetDatabase, load_database, read_index, write_index
-from chord_usd.assets.model import Design
-from chord_usd.errors import AssetError, OutputError, SceneError
-from chord_usd.runtime.locations import cache_folder
-from chord_usd.scene.types import Asset
+from chord_usd.base.errors import AssetError, OutputError, SceneError
+from chord_usd.base.runtime.locations import cache_folder
+from chord_usd.base.scene.types import Asset
+from chord_usd.library import component, database
+from chord_usd.library.database import AssetDatabase, load_database, read_index, write_index
+from chord_usd.library.kit.model import Design
 
 SIDE = st.floats(0.1, 4.0).map(lambda side: round(side, 3))
 SIZE = st.tuples(SIDE, SIDE, SIDE)
@@ -171,6 +171,9 @@ def test_a_cache_that_is_a_file_is_an_output_error(
         database.draw_embedded(shipped_bed())
 
 
+LIBRARY = "chord_usd.library."
+
+
 def test_whatever_draws_assets_counts_when_they_are_drawn_anew() -> None:
     root = Path(database.__file__).parent
     named = {root / name for name in database._GENERATOR}
@@ -178,15 +181,14 @@ def test_whatever_draws_assets_counts_when_they_are_drawn_anew() -> None:
     used = set()
     for file in (one for one in sources if one.suffix == ".py"):
         for node in ast.walk(ast.parse(file.read_text())):
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(root_of(root)):
-                used.add((node.module or "").removeprefix(root_of(root)).split(".")[0])
-    assert {"physical", "material", "furniture"} <= used
-    known = {one.stem for one in named}
-    assert used <= known, "a change there would leave old assets in caches"
-
-
-def root_of(folder: Path) -> str:
-    return f"chord_usd.{folder.name}."
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(LIBRARY):
+                below = (node.module or "").removeprefix(LIBRARY).split(".")
+                names = [alias.name for alias in node.names]
+                used |= {root / f"{'/'.join([*below, name])}.py" for name in ["", *names]}
+                used |= {root / f"{'/'.join(below)}.py"}
+    used = {file for file in used if file.is_file()}
+    assert {"physical", "material", "solids"} <= {file.stem for file in used}
+    assert used <= set(sources), "a change there would leave old assets in caches"
 
 
 def test_chairs_swivel_at_desks_only():

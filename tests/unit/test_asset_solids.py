@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.affinity import scale
 
-from chord_usd.assets import solids
-from chord_usd.assets.furniture.joinery import felt_round
-from chord_usd.assets.shading import corner_normals, corner_uvs_m
-from chord_usd.assets.solids import Solid
+from chord_usd.library.furniture.joinery import felt_round
+from chord_usd.library.kit import solids
+from chord_usd.library.kit.shading import corner_normals, corner_uvs_m
+from chord_usd.library.kit.solids import Solid
 
 SIDE = st.floats(0.05, 3.0)
 SIZE = st.tuples(SIDE, SIDE, SIDE)

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.data.augment import random_pose
-from chord_usd.scene.geometry import footprint, front_direction, room_polygon
-from chord_usd.scene.pose import Pose, posed
-from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph
-from chord_usd.scene.units import rotation_2d
+from chord_usd.base.scene.geometry import footprint, front_direction, room_polygon
+from chord_usd.base.scene.pose import Pose, posed
+from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, SceneGraph
+from chord_usd.base.scene.units import rotation_2d
+from chord_usd.workshop.data.augment import random_pose
 
 poses = st.builds(
     Pose,

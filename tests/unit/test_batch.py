@@ -15,19 +15,19 @@ from pathlib import Path
 import batch_makers as makers
 import pytest
 
-from chord_usd.batch.index import rows, write_parquet
-from chord_usd.batch.lock import locked
-from chord_usd.batch.make import STAGE_FILE
-from chord_usd.batch.records import HOUSE_RECORD, PICTURES_RECORD, Record, write_record
-from chord_usd.batch.run import Exports, find_due, run_batch
-from chord_usd.batch.shards import write_shards
-from chord_usd.batch.shared import keep_pictures, share_files
-from chord_usd.batch.work_units import list_units
+from chord_usd.base.errors import OutputError, PlanError
+from chord_usd.base.runtime.scratch import PREFIX
 from chord_usd.cli import UNUSABLE, build_parser, main
-from chord_usd.commands.batch import settings_of
-from chord_usd.errors import OutputError, PlanError
-from chord_usd.pipeline import Settings
-from chord_usd.runtime.scratch import PREFIX
+from chord_usd.faces.batch.index import rows, write_parquet
+from chord_usd.faces.batch.lock import locked
+from chord_usd.faces.batch.make import STAGE_FILE
+from chord_usd.faces.batch.records import HOUSE_RECORD, PICTURES_RECORD, Record, write_record
+from chord_usd.faces.batch.run import Exports, find_due, run_batch
+from chord_usd.faces.batch.shards import write_shards
+from chord_usd.faces.batch.shared import keep_pictures, share_files
+from chord_usd.faces.batch.work_units import list_units
+from chord_usd.faces.commands.batch import settings_of
+from chord_usd.line.pipeline import Settings
 
 
 def test_houses_of_a_batch_get_the_roof_that_is_asked_for() -> None:
@@ -129,7 +129,7 @@ class TestResume:
         makers.batch(folder, makers.units("a"))
         (folder / "a" / "pictures").mkdir()
         code = (
-            "import os, sys, pathlib; from chord_usd.runtime.scratch import Scratch\n"
+            "import os, sys, pathlib; from chord_usd.base.runtime.scratch import Scratch\n"
             "made = [Scratch(pathlib.Path(one)) for one in sys.argv[1:]]; os.kill(os.getpid(), 9)"
         )
         places = [folder, folder / "a", folder / "a" / "pictures"]
@@ -159,7 +159,7 @@ class TestOneAtATime:
     def test_a_batch_that_was_killed_holds_nothing(self, folder: Path) -> None:
         folder.mkdir()
         code = (
-            "import os, pathlib, chord_usd.batch.lock as lock\n"
+            "import os, pathlib, chord_usd.faces.batch.lock as lock\n"
             f"with lock.locked(pathlib.Path({str(folder)!r})): os._exit(9)"
         )
         assert subprocess.run([sys.executable, "-c", code]).returncode == 9

@@ -4,22 +4,22 @@ import numpy as np
 import pytest
 from shapely.geometry import Point
 
-from chord_usd.data.houses import random_plan
-from chord_usd.layout.floor_condition import PIXEL_PLANES, floor_condition
-from chord_usd.planning import sketch_tokens as tokens
-from chord_usd.planning.floor_sheet import blank_sheet, on_sheet, shell_sheet, slips
-from chord_usd.planning.outline import open_shell, shell_labels
-from chord_usd.raster import plan_labels
-from chord_usd.raster.bubbles import (
+from chord_usd.base.raster import plan_labels
+from chord_usd.base.raster.bubbles import (
     LEAST_RADIUS_M,
     Bubble,
     bubbles_of,
     touching_pairs,
     with_bubbles,
 )
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import Plan, Room, frozen_array
-from chord_usd.scene.wish import WISHED_KINDS, room_counts
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import Plan, Room, frozen_array
+from chord_usd.base.scene.wish import WISHED_KINDS, room_counts
+from chord_usd.line.layout.floor_condition import PIXEL_PLANES, floor_condition
+from chord_usd.line.planning import sketch_tokens as tokens
+from chord_usd.line.planning.floor_sheet import blank_sheet, on_sheet, shell_sheet, slips
+from chord_usd.line.planning.outline import open_shell, shell_labels
+from chord_usd.workshop.data.houses import random_plan
 
 PLANS = [random_plan(np.random.default_rng(seed)) for seed in range(20)]
 FRAME = plan_labels.sheet_frame(0.12)

@@ -11,25 +11,25 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.errors import CheckpointError
-from chord_usd.layout.description import read_description
-from chord_usd.planning.sketcher import load_sketcher
-from chord_usd.runtime import checksums
-from chord_usd.runtime.checksums import (
+from chord_usd.base.errors import CheckpointError
+from chord_usd.base.runtime import checksums
+from chord_usd.base.runtime.checksums import (
     SUMMED_FILES,
     SUMS_FILE,
     check_file,
     checkpoint_files,
     checkpoint_hash,
 )
-from chord_usd.runtime.files import hash_file
-from chord_usd.runtime.locations import (
+from chord_usd.base.runtime.files import hash_file
+from chord_usd.base.runtime.locations import (
     CHECKPOINTS_VARIABLE,
     checkpoint_folder,
     name_checkpoint,
     untrained_in_use,
 )
-from chord_usd.runtime.networks import content_hash, granted_threads
+from chord_usd.base.runtime.networks import content_hash, granted_threads
+from chord_usd.line.layout.description import read_description
+from chord_usd.line.planning.sketcher import load_sketcher
 from tests.every import for_every
 
 SHIPPED = Path(__file__).parents[2] / "checkpoints"

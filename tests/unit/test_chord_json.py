@@ -13,9 +13,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.errors import ChordError, PlanError, SceneError
-from chord_usd.scene import palette
-from chord_usd.scene.chord_json import (
+from chord_usd.base.errors import ChordError, PlanError, SceneError
+from chord_usd.base.scene import palette
+from chord_usd.base.scene.chord_json import (
     json_text,
     plan_from_json,
     plan_to_json,
@@ -26,9 +26,9 @@ from chord_usd.scene.chord_json import (
     write_plan,
     write_scene,
 )
-from chord_usd.scene.geometry import footprint, rooms_beside
-from chord_usd.scene.room_names import room_kind
-from chord_usd.scene.types import (
+from chord_usd.base.scene.geometry import footprint, rooms_beside
+from chord_usd.base.scene.room_names import room_kind
+from chord_usd.base.scene.types import (
     ROOM_KINDS,
     Asset,
     Box,

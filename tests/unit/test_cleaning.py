@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.data.cleaning import clean
-from chord_usd.data.distributions import compare, measure
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.metrics import score_scene
-from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.base.metrics import score_scene
+from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.workshop.data.cleaning import clean
+from chord_usd.workshop.data.distributions import compare, measure
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 
 def _bedroom(*items: Item) -> SceneGraph:

@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from chord_usd import cli
+from chord_usd.base.errors import ChordError
+from chord_usd.base.runtime import interrupts
 from chord_usd.cli import build_parser, main
-from chord_usd.commands import check
-from chord_usd.commands.common import Outcome
-from chord_usd.commands.render import look_of, words_of
-from chord_usd.errors import ChordError
-from chord_usd.runtime import interrupts
+from chord_usd.faces.commands import check
+from chord_usd.faces.commands.common import Outcome
+from chord_usd.faces.commands.render import look_of, words_of
 from tests.conftest import RunCli
 from tests.every import for_every
 from tests.verbs import ACTIONS
@@ -133,7 +133,7 @@ class TestOutcomes:
         (tmp_path / "job.py").write_text(
             "import os, signal, sys\n"
             "from chord_usd import cli\n"
-            "from chord_usd.commands import describe\n"
+            "from chord_usd.faces.commands import describe\n"
             "def run(options):\n"
             "    exec('os.kill(os.getpid(), signal.SIGINT)\\nsignal.pause()')\n"
             "describe.run = run\n"

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.metrics import score_scene
-from chord_usd.metrics.complete import ESSENTIALS, TWO_CHAIRS, homely_rooms, lacking
-from chord_usd.scene.pose import Pose, posed
-from chord_usd.scene.types import Box, Item, Room, RoomKind, SceneGraph, frozen_array
+from chord_usd.base.metrics import score_scene
+from chord_usd.base.metrics.complete import ESSENTIALS, TWO_CHAIRS, homely_rooms, lacking
+from chord_usd.base.scene.pose import Pose, posed
+from chord_usd.base.scene.types import Box, Item, Room, RoomKind, SceneGraph, frozen_array
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 
 def room(kind: RoomKind, length: float, width: float) -> Room:

@@ -18,9 +18,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.errors import ChordError, PlanError
-from chord_usd.plan.vector.safe_xml import parse_xml
-from chord_usd.runtime.confined import Limits, confined
+from chord_usd.base.errors import ChordError, PlanError
+from chord_usd.base.runtime.confined import Limits, confined
+from chord_usd.line.plan.vector.safe_xml import parse_xml
 
 if sys.platform != "linux":
     pytest.skip("limits and signals as Linux has them", allow_module_level=True)
@@ -31,7 +31,7 @@ ENDLESS = (3, 10**9)
 
 CALLER = f"""
 import signal, sys
-from chord_usd.runtime.confined import confined
+from chord_usd.base.runtime.confined import confined
 def end(number, frame):
     print("told", flush=True)
     sys.exit(7)
@@ -105,7 +105,7 @@ def test_what_computes_too_long_is_ended() -> None:
 def test_time_that_others_take_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
     assert all(Limits(cpu_s=cpu_s).wall_s >= 10 * cpu_s for cpu_s in (1, 30, 100))
     confined(time.sleep, 1.5, where=WHERE, limits=Limits(cpu_s=1))
-    monkeypatch.setattr("chord_usd.runtime.confined._WALL_PER_CPU", 1.5)
+    monkeypatch.setattr("chord_usd.base.runtime.confined._WALL_PER_CPU", 1.5)
     with pytest.raises(ChordError, match=r"within 1.5 s \(its reader had 0 s .* is busy\. Try"):
         confined(time.sleep, 60.0, where=WHERE, limits=Limits(cpu_s=1))
 

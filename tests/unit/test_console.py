@@ -10,15 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.runtime import progress
-from chord_usd.runtime.progress import Stopwatch, held_lines, make_reporter
+from chord_usd.base.runtime import progress
+from chord_usd.base.runtime.progress import Stopwatch, held_lines, make_reporter
 
 NOISE = """
 import ctypes, logging, os, subprocess, sys, warnings
 from chord_usd import cli
-from chord_usd.commands import describe
-from chord_usd.commands.common import Outcome, stopwatch
-from chord_usd.errors import PlanError
+from chord_usd.faces.commands import describe
+from chord_usd.faces.commands.common import Outcome, stopwatch
+from chord_usd.base.errors import PlanError
 
 def run(options):
     with stopwatch(options).step("read"):

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.page import addresses
-from chord_usd.runtime.counting import counted
+from chord_usd.base.runtime.counting import counted
+from chord_usd.faces.page import addresses
 
-COMMANDS = Path(__file__).parents[2] / "chord_usd" / "commands"
+COMMANDS = Path(__file__).parents[2] / "chord_usd/faces/commands"
 COUNTED = re.compile(
     r"\{(?!LEAST|MOST|SEEDS)[^{}]*\} (?:new )?(?:pieces|steps|rooms|houses|models|packages|looks|"
     r"components|tasks|items|storeys|doors|windows|passages|openings|pictures|cases)\b(?! are)"

@@ -9,12 +9,7 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon
 
-from chord_usd.data.drawn.crowded import draw_page
-from chord_usd.data.drawn.open_kitchens import with_open_kitchen
-from chord_usd.data.drawn.page_looks import KINDS, Look, random_look
-from chord_usd.data.drawn.truth import CrowdedPage
-from chord_usd.data.houses import random_plan
-from chord_usd.raster.page_labels import (
+from chord_usd.base.raster.page_labels import (
     BUILT_NAMES,
     CORNER,
     DOOR,
@@ -31,8 +26,13 @@ from chord_usd.raster.page_labels import (
     built_of,
     laid_of,
 )
-from chord_usd.scene.geometry import footprint, room_polygon
-from chord_usd.scene.types import ByteArray, FloatArray
+from chord_usd.base.scene.geometry import footprint, room_polygon
+from chord_usd.base.scene.types import ByteArray, FloatArray
+from chord_usd.workshop.data.drawn.crowded import draw_page
+from chord_usd.workshop.data.drawn.open_kitchens import with_open_kitchen
+from chord_usd.workshop.data.drawn.page_looks import KINDS, Look, random_look
+from chord_usd.workshop.data.drawn.truth import CrowdedPage
+from chord_usd.workshop.data.houses import random_plan
 
 BLACK_WALLS = Look(
     "agent", names=0.0, sizes=0.0, chains=0.0, furniture_of_page=0.0, surroundings=0.0,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from chord_usd.runtime.decoders import DECODERS
+from chord_usd.base.runtime.decoders import DECODERS
 from tests.unit.test_architecture import MODULES, PACKAGE, parsed
 
 LIBRARIES = {
@@ -29,31 +29,31 @@ LIBRARIES = {
 HERE = {
     # Files that this program has written itself, or ships.
     "api": {"PIL.Image.open"},
-    "assets.cloth.stored": {"numpy.load"},
-    "commands.agent_tools": {"PIL.Image.open"},
-    "data.drawn.fills": {"cv2.imread"},
-    "image.exr": {"OpenEXR.File"},
-    "image.products": {"PIL.Image.open"},
+    "library.cloth.stored": {"numpy.load"},
+    "faces.commands.agent_tools": {"PIL.Image.open"},
+    "workshop.data.drawn.fills": {"cv2.imread"},
+    "line.image.exr": {"OpenEXR.File"},
+    "line.image.products": {"PIL.Image.open"},
     # Weights that the user names, as tensors only.
-    "evaluation.encoders": {"torch.load"},
+    "workshop.evaluation.encoders": {"torch.load"},
     # Pictures that it has just encoded.
-    "data.drawn.paper": {"PIL.Image.open"},
-    "data.drawn.wear": {"cv2.imdecode"},
-    "data.spoilt_layouts": {"cv2.imdecode"},
-    "evaluation.painters": {"cv2.imdecode"},
+    "workshop.data.drawn.paper": {"PIL.Image.open"},
+    "workshop.data.drawn.wear": {"cv2.imdecode"},
+    "workshop.data.spoilt_layouts": {"cv2.imdecode"},
+    "workshop.evaluation.painters": {"cv2.imdecode"},
     # What makes the units of a batch, from the program that began it.
-    "batch.ray_engine": {"pickle.loads"},
+    "faces.batch.ray_engine": {"pickle.loads"},
     # What it writes, or holds in memory.
-    "batch.shards": {"tarfile.open"},
-    "raster.hdri": {"OpenEXR.File"},
-    "stage.web": {"pxr.Usd.Stage.Open"},
+    "faces.batch.shards": {"tarfile.open"},
+    "base.raster.hdri": {"OpenEXR.File"},
+    "line.stage.export.web": {"pxr.Usd.Stage.Open"},
     # The arguments of a confined reader, from its caller.
-    "runtime.confined": {"pickle.load"},
+    "base.runtime.confined": {"pickle.load"},
     # Looked at before anything is unpacked, and no more of it than a limit.
-    "runtime.archives": {"zipfile.ZipFile"},
-    "runtime.json_lines": {"gzip.GzipFile"},
+    "base.runtime.archives": {"zipfile.ZipFile"},
+    "base.runtime.json_lines": {"gzip.GzipFile"},
     # Textures of a stage that was tried, after a look at their heads.
-    "stage.textures": {"PIL.Image.open"},
+    "line.stage.author.textures": {"PIL.Image.open"},
 }  # fmt: skip
 """What is decoded in the program's process, module by module."""
 
@@ -113,9 +113,9 @@ def test_nothing_else_is_confined() -> None:
     users = {
         ".".join(file.relative_to(PACKAGE).with_suffix("").parts)
         for file in MODULES
-        if "chord_usd.runtime.confined.confined" in set(calls_in(parsed(file)))
+        if "chord_usd.base.runtime.confined.confined" in set(calls_in(parsed(file)))
     }
-    assert users == {"runtime.decoders"}
+    assert users == {"base.runtime.decoders"}
 
 
 def test_no_reader_takes_more_than_a_gibibyte() -> None:

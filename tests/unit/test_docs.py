@@ -9,8 +9,8 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
-from chord_usd.assets.furniture.catalogue import designs
 from chord_usd.cli import build_parser
+from chord_usd.library.furniture.catalogue import designs
 from tests.documents import CARDS, DOCUMENTS, ROOT, command_lines, fences, verb_of
 from tests.every import for_every
 from tests.verbs import ACTIONS, VERBS

@@ -11,16 +11,13 @@ import numpy as np
 import pytest
 import shapely
 
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.dressing.dress import dress
-from chord_usd.metrics.clear_floor import clearances, enters_height
-from chord_usd.metrics.fronts import FRONT, STRIP_M, USED_SIDES, floor_before, shut_fronts
-from chord_usd.metrics.walk import walk
-from chord_usd.scene.geometry import footprint, footprint_polygon, in_world, room_polygon
-from chord_usd.scene.palette import Mount, category
-from chord_usd.scene.styles import STYLES
-from chord_usd.scene.types import (
+from chord_usd.base.metrics.clear_floor import clearances, enters_height
+from chord_usd.base.metrics.fronts import FRONT, STRIP_M, USED_SIDES, floor_before, shut_fronts
+from chord_usd.base.metrics.walk import walk
+from chord_usd.base.scene.geometry import footprint, footprint_polygon, in_world, room_polygon
+from chord_usd.base.scene.palette import Mount, category
+from chord_usd.base.scene.styles import STYLES
+from chord_usd.base.scene.types import (
     ROOM_HEIGHT_M,
     Box,
     Item,
@@ -31,6 +28,9 @@ from chord_usd.scene.types import (
     SceneGraph,
     frozen_array,
 )
+from chord_usd.line.dressing.dress import dress
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 from tests.dressing_stock import stock_of_boxes
 
 STOCK = stock_of_boxes()
@@ -278,7 +278,7 @@ def test_every_basin_with_a_wall_above_has_a_mirror() -> None:
 
 
 def test_an_empty_database_dresses_nothing() -> None:
-    from chord_usd.assets.database import AssetDatabase
+    from chord_usd.library.database import AssetDatabase
 
     assert dress(furnished(0), AssetDatabase(()), STYLES["modern"], 0).dressing == ()
 

@@ -4,12 +4,17 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.errors import OutputError
-from chord_usd.evaluation.floor_records import measure_all
-from chord_usd.evaluation.floors import FloorCase, held_out_cases, shell_scores, wish_scores
-from chord_usd.planning.choose import Candidate, judged
-from chord_usd.planning.faults import faults
-from chord_usd.scene.types import Plan
+from chord_usd.base.errors import OutputError
+from chord_usd.base.scene.types import Plan
+from chord_usd.line.planning.choose import Candidate, judged
+from chord_usd.line.planning.faults import faults
+from chord_usd.workshop.evaluation.floor_records import measure_all
+from chord_usd.workshop.evaluation.floors import (
+    FloorCase,
+    held_out_cases,
+    shell_scores,
+    wish_scores,
+)
 
 CASES = held_out_cases(6, aligned=True)
 

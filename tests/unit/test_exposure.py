@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chord_usd.image.exposure import EXPOSURE_RANGE_EV, KEY, PALE_ALBEDO, exposure_ev, tone
+from chord_usd.line.image.exposure import EXPOSURE_RANGE_EV, KEY, PALE_ALBEDO, exposure_ev, tone
 
 
 def test_the_key_is_reached_whatever_the_light() -> None:

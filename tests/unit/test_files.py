@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.errors import OutputError
-from chord_usd.runtime import files, interrupts
-from chord_usd.runtime.files import deliver, output_folder, write_atomic
-from chord_usd.runtime.locations import absolute
-from chord_usd.runtime.manifest import MANIFEST_FILE
-from chord_usd.runtime.scratch import LOCK_FILE, PREFIX, scratch_folder
-from chord_usd.runtime.targets import FolderMode, begin_run
+from chord_usd.base.errors import OutputError
+from chord_usd.base.runtime import files, interrupts
+from chord_usd.base.runtime.files import deliver, output_folder, write_atomic
+from chord_usd.base.runtime.locations import absolute
+from chord_usd.base.runtime.manifest import MANIFEST_FILE
+from chord_usd.base.runtime.scratch import LOCK_FILE, PREFIX, scratch_folder
+from chord_usd.base.runtime.targets import FolderMode, begin_run
 
 
 def everything_in(folder: Path) -> dict[str, bytes]:
@@ -219,7 +219,8 @@ def test_a_training_run_goes_on_in_its_own_folder_only(tmp_path: Path) -> None:
 
 def test_leftovers_of_the_killed_are_swept_and_those_at_work_are_not(tmp_path: Path) -> None:
     code = (
-        "import os, sys; from pathlib import Path; from chord_usd.runtime.scratch import Scratch\n"
+        "import os, sys; from pathlib import Path\n"
+        "from chord_usd.base.runtime.scratch import Scratch\n"
         "(Scratch(Path(sys.argv[1])).folder / 'half').write_text('x'); os.kill(os.getpid(), 9)"
     )
     subprocess.run([sys.executable, "-c", code, tmp_path], check=False)

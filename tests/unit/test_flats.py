@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from shapely.geometry import box as rectangle
 
-from chord_usd.data.flats import (
+from chord_usd.base.errors import PlanError
+from chord_usd.base.scene.geometry import footprint_polygon, room_polygon, wall_area
+from chord_usd.base.scene.types import WALL_THICKNESS_M, Box, Opening, Plan
+from chord_usd.workshop.data.flats import (
     flat_from_lines,
     furnishable,
     read_flats,
     read_flats_or_why,
 )
-from chord_usd.data.floorplans.traced import closed_cells
-from chord_usd.data.splits import part_of
-from chord_usd.errors import PlanError
-from chord_usd.scene.geometry import footprint_polygon, room_polygon, wall_area
-from chord_usd.scene.types import WALL_THICKNESS_M, Box, Opening, Plan
+from chord_usd.workshop.data.floorplans.traced import closed_cells
+from chord_usd.workshop.data.splits import part_of
 from tests.foreign_records import flat_lines, line
 
 

@@ -12,14 +12,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.data.box_scenes import LEFT_OUT
-from chord_usd.data.foreign import Models, foreign_houses, house_from_record, read_models_file
-from chord_usd.data.threed_front import category_of, kind_of, labels_by_name
-from chord_usd.errors import SceneError
-from chord_usd.metrics.rooms import out_of_room
-from chord_usd.scene.geometry import footprint_polygon, front_direction, room_polygon
-from chord_usd.scene.palette import CATEGORIES
-from chord_usd.scene.types import WALL_THICKNESS_M
+from chord_usd.base.errors import SceneError
+from chord_usd.base.metrics.rooms import out_of_room
+from chord_usd.base.scene.geometry import footprint_polygon, front_direction, room_polygon
+from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.types import WALL_THICKNESS_M
+from chord_usd.workshop.data.box_scenes import LEFT_OUT
+from chord_usd.workshop.data.foreign import (
+    Models,
+    foreign_houses,
+    house_from_record,
+    read_models_file,
+)
+from chord_usd.workshop.data.threed_front import category_of, kind_of, labels_by_name
 from tests.foreign_records import front_house, procthor_house
 
 MODELS = Models(categories={"m1": "King-size Bed", "m2": "Floor Lamp"})

@@ -10,10 +10,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.data.furnish.floor import Door, Floor
-from chord_usd.data.furnish.modules import pack
-from chord_usd.data.furnish.walkways import _flooded, path_faults
-from chord_usd.scene.types import Room, frozen_array
+from chord_usd.base.scene.types import Room, frozen_array
+from chord_usd.workshop.data.furnish.floor import Door, Floor
+from chord_usd.workshop.data.furnish.modules import pack
+from chord_usd.workshop.data.furnish.walkways import _flooded, path_faults
 
 L_SHAPE = [(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (2.5, 2.0), (2.5, 4.0), (0.0, 4.0)]
 SLANTED = [(0.0, 0.0), (4.0, 0.5), (4.6, 3.5), (0.4, 3.0)]

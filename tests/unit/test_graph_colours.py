@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chord_usd.errors import SceneError
-from chord_usd.graph.colours import NO_ITEM, SHADE_KINDS, read_pixels
-from chord_usd.raster import canvas
-from chord_usd.scene.palette import HOUSE_CATEGORIES, ROOM_SHADES
-from chord_usd.scene.types import Box, Item, Plan, Room, RoomKind, frozen_array
+from chord_usd.base.errors import SceneError
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.palette import HOUSE_CATEGORIES, ROOM_SHADES
+from chord_usd.base.scene.types import Box, Item, Plan, Room, RoomKind, frozen_array
+from chord_usd.line.graph.colours import NO_ITEM, SHADE_KINDS, read_pixels
 
 ROOM = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 6.0], [0.0, 6.0]])
 

@@ -7,9 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.graph.directions import plan_directions
-from chord_usd.graph.flush import align, flush_with_walls, parted
-from chord_usd.graph.rectangles import (
+from chord_usd.base.scene.geometry import footprint, footprint_polygon
+from chord_usd.base.scene.oriented_rect import Footprint, OrientedRect
+from chord_usd.base.scene.types import Box, PixelFrame, Room, frozen_array
+from chord_usd.base.scene.units import fold_deg, px_from_m
+from chord_usd.line.graph.directions import plan_directions
+from chord_usd.line.graph.flush import align, flush_with_walls, parted
+from chord_usd.line.graph.rectangles import (
     FRONT_EDGES,
     Evidence,
     canvas_corners,
@@ -17,10 +21,6 @@ from chord_usd.graph.rectangles import (
     fit_free,
     front_mark,
 )
-from chord_usd.scene.geometry import footprint, footprint_polygon
-from chord_usd.scene.oriented_rect import Footprint, OrientedRect
-from chord_usd.scene.types import Box, PixelFrame, Room, frozen_array
-from chord_usd.scene.units import fold_deg, px_from_m
 
 GRID = np.stack(np.meshgrid(np.arange(64) + 0.5, -np.arange(64) - 0.5), axis=-1).reshape(-1, 2)
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])

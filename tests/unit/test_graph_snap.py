@@ -5,10 +5,10 @@ from itertools import combinations
 import numpy as np
 import shapely
 
-from chord_usd.graph.colours import CLEAR, NO_ITEM, LayoutPixels
-from chord_usd.graph.snap import find_items
-from chord_usd.scene.palette import category
-from chord_usd.scene.types import Detection, frozen_array
+from chord_usd.base.scene.palette import category
+from chord_usd.base.scene.types import Detection, frozen_array
+from chord_usd.line.graph.colours import CLEAR, NO_ITEM, LayoutPixels
+from chord_usd.line.graph.snap import find_items
 
 # Chairs (c, marks X) around a table (t) as a model paints them that was trained too short: they
 # run together, and a band of them leans.

@@ -8,16 +8,16 @@ import pytest
 from shapely.geometry import LineString, Point, Polygon
 from shapely.ops import unary_union
 
-from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.floorplans.programme import (
+from chord_usd.base.scene.geometry import footprint, footprint_polygon, room_polygon, wall_area
+from chord_usd.base.scene.types import ROOM_KINDS, WALL_THICKNESS_M, Opening, Plan
+from chord_usd.workshop.data.floorplans.dice import Dice
+from chord_usd.workshop.data.floorplans.programme import (
     MOST_ROOMS,
     ROOM_COUNT_HISTOGRAM,
     draw_programme,
     room_count,
 )
-from chord_usd.data.houses import random_plan
-from chord_usd.scene.geometry import footprint, footprint_polygon, room_polygon, wall_area
-from chord_usd.scene.types import ROOM_KINDS, WALL_THICKNESS_M, Opening, Plan
+from chord_usd.workshop.data.houses import random_plan
 
 SEEDS = range(40)
 

@@ -11,14 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from chord_usd.runtime import interrupts
+from chord_usd.base.runtime import interrupts
 
 VERB = """
 import hashlib, os, signal, sys, time
 from pathlib import Path
 from chord_usd import cli
-from chord_usd.commands import describe
-from chord_usd.runtime.files import deliver, write_atomic
+from chord_usd.faces.commands import describe
+from chord_usd.base.runtime.files import deliver, write_atomic
 
 def run(options):
     out = Path(sys.argv[-1])

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely.geometry import box
 
-from chord_usd.image.joined import lit_with, touching
+from chord_usd.line.image.joined import lit_with, touching
 
 ROOMS = st.sampled_from("ABCDEF")
 PAIRS = st.lists(st.tuples(ROOMS, ROOMS))

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.image.annotations import BUILDING, coco
-from chord_usd.scene import label_sets
-from chord_usd.scene.label_sets import LABEL_SETS, OWN, class_of, classes_of
-from chord_usd.scene.palette import CATEGORIES
+from chord_usd.base.scene import label_sets
+from chord_usd.base.scene.label_sets import LABEL_SETS, OWN, class_of, classes_of
+from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.line.image.annotations import BUILDING, coco
 
 TABLE = Path(label_sets.__file__).with_suffix(".tsv")
 OTHERS = [name for name in LABEL_SETS if name != OWN]

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from chord_usd.layout.condition import GRID_PLANES, PIXEL_PLANES, plan_condition
-from chord_usd.scene.palette import CATEGORIES, ROOM_SHADES
-from chord_usd.scene.types import ROOM_KINDS
+from chord_usd.base.scene.palette import CATEGORIES, ROOM_SHADES
+from chord_usd.base.scene.types import ROOM_KINDS
+from chord_usd.line.layout.condition import GRID_PLANES, PIXEL_PLANES, plan_condition
 
 FLOOR_PLANE = 3
 AREA_PLANE = 1 + len(ROOM_KINDS)

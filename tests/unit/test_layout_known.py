@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd.layout.codes import CLASS_COUNT, CODE_BITS, codebook, encode
-from chord_usd.layout.condition import DOOR_FLOOR_PLANE, PIXEL_PLANES, WINDOW_FLOOR_PLANE
-from chord_usd.layout.denoiser import Estimate, Plans
-from chord_usd.layout.known import bare_outside, held_to_plan
-from chord_usd.layout.levels import LEVELS
-from chord_usd.scene.palette import category
+from chord_usd.base.scene.palette import category
+from chord_usd.line.layout.codes import CLASS_COUNT, CODE_BITS, codebook, encode
+from chord_usd.line.layout.condition import DOOR_FLOOR_PLANE, PIXEL_PLANES, WINDOW_FLOOR_PLANE
+from chord_usd.line.layout.denoiser import Estimate, Plans
+from chord_usd.line.layout.known import bare_outside, held_to_plan
+from chord_usd.line.layout.levels import LEVELS
 
 HOUSE = LEVELS["house"]
 BED, SHOWER = (1 + category(name).detector_class for name in ("bed", "shower"))

@@ -7,16 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.layout.upright import (
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.pose import Pose, posed
+from chord_usd.base.scene.types import Box, Item, LayoutImage, Plan, Provenance, Room
+from chord_usd.line.layout.upright import (
     SAME_DEG,
     direction_of,
     rooms_by_direction,
     sample_upright,
     upright_sheet,
 )
-from chord_usd.raster import canvas
-from chord_usd.scene.pose import Pose, posed
-from chord_usd.scene.types import Box, Item, LayoutImage, Plan, Provenance, Room
 
 OBLONG = [(0.0, 0.0), (5.0, 0.0), (5.0, 3.5), (0.0, 3.5)]
 

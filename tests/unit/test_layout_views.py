@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from chord_usd.data.houses import random_plan
-from chord_usd.layout.condition import FLOOR_PLANE, floor_regions, plan_condition
-from chord_usd.layout.denoiser import Estimate, Plans
-from chord_usd.layout.mosaic import mosaic_of
-from chord_usd.layout.views import OVERLAP_M, cut_views
-from chord_usd.raster import canvas
-from chord_usd.scene.palette import category
-from chord_usd.scene.types import CANVAS_PX, Box, Opening, Plan, PlanImage, Room
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.palette import category
+from chord_usd.base.scene.types import CANVAS_PX, Box, Opening, Plan, PlanImage, Room
+from chord_usd.line.layout.condition import FLOOR_PLANE, floor_regions, plan_condition
+from chord_usd.line.layout.denoiser import Estimate, Plans
+from chord_usd.line.layout.mosaic import mosaic_of
+from chord_usd.line.layout.views import OVERLAP_M, cut_views
+from chord_usd.workshop.data.houses import random_plan
 
 STEP_PX = 32
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from chord_usd.data.houses import random_plan
-from chord_usd.layout.window import BORDER_PX, window_of, window_size
-from chord_usd.raster import canvas
+from chord_usd.base.raster import canvas
+from chord_usd.line.layout.window import BORDER_PX, window_of, window_size
+from chord_usd.workshop.data.houses import random_plan
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon, box
 
-from chord_usd.errors import ChordError, SceneError
-from chord_usd.scene import estimates
-from chord_usd.scene.chord_json import scene_from_json, scene_to_json
-from chord_usd.scene.estimates import of_furnishing, of_stage
-from chord_usd.scene.piles import is_piled
-from chord_usd.scene.types import Box, Item, PixelFrame, PlanImage, Room, SceneGraph
-from chord_usd.stage.view_places import QUICK, THOROUGH, Stand, stands
-from chord_usd.stage.viewpoints import _Room
+from chord_usd.base.errors import ChordError, SceneError
+from chord_usd.base.scene import estimates
+from chord_usd.base.scene.chord_json import scene_from_json, scene_to_json
+from chord_usd.base.scene.estimates import of_furnishing, of_stage
+from chord_usd.base.scene.piles import is_piled
+from chord_usd.base.scene.types import Box, Item, PixelFrame, PlanImage, Room, SceneGraph
+from chord_usd.line.stage.views.view_places import QUICK, THOROUGH, Stand, stands
+from chord_usd.line.stage.views.viewpoints import _Room
 
 TABLE = Item("t", "dining_table", Box((1.0, 1.0, 0.0), (0.8, 0.6, 0.7), 0.0), "r")
 

@@ -12,21 +12,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.lists import pieces
-from chord_usd.lists.house import Drafts, furnish_by_lists
-from chord_usd.lists.list_sampler import GRAPH_INPUTS, Drawn, ListDrawer, Subject
-from chord_usd.lists.pieces import PIECES
-from chord_usd.lists.vocabulary import END, NOTHING, Element, sequence_of
-from chord_usd.lists.wishes import Asked, Piece
-from chord_usd.metrics import score_scene
-from chord_usd.metrics.complete import homely_rooms, lacking
-from chord_usd.metrics.violations import room_faults
-from chord_usd.metrics.walk import ways_shut
-from chord_usd.scene.palette import HOUSE_CATEGORIES
-from chord_usd.scene.pose import Pose, posed
-from chord_usd.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.base.metrics import score_scene
+from chord_usd.base.metrics.complete import homely_rooms, lacking
+from chord_usd.base.metrics.violations import room_faults
+from chord_usd.base.metrics.walk import ways_shut
+from chord_usd.base.scene.palette import HOUSE_CATEGORIES
+from chord_usd.base.scene.pose import Pose, posed
+from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.line.lists import pieces
+from chord_usd.line.lists.house import Drafts, furnish_by_lists
+from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Drawn, ListDrawer, Subject
+from chord_usd.line.lists.pieces import PIECES
+from chord_usd.line.lists.vocabulary import END, NOTHING, Element, sequence_of
+from chord_usd.line.lists.wishes import Asked, Piece
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 SEEDS = st.integers(0, 100_000)
 

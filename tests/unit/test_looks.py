@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.errors import AssetError, ChordError
-from chord_usd.scene.look_families import FAMILY_FILE, family_named, load_families
-from chord_usd.scene.looks import look_of
-from chord_usd.scene.style_finishes import kind_of, shows, suitability
-from chord_usd.scene.style_looks import ACCENTS, HOME_WOOD, PAINTS
-from chord_usd.scene.style_rooms import Part, looks_for
-from chord_usd.scene.styles import MIXED, STYLES, HomeStyle, style_named
-from chord_usd.scene.types import ROOM_KINDS, Room, RoomKind
+from chord_usd.base.errors import AssetError, ChordError
+from chord_usd.base.scene.look_families import FAMILY_FILE, family_named, load_families
+from chord_usd.base.scene.looks import look_of
+from chord_usd.base.scene.style_finishes import kind_of, shows, suitability
+from chord_usd.base.scene.style_looks import ACCENTS, HOME_WOOD, PAINTS
+from chord_usd.base.scene.style_rooms import Part, looks_for
+from chord_usd.base.scene.styles import MIXED, STYLES, HomeStyle, style_named
+from chord_usd.base.scene.types import ROOM_KINDS, Room, RoomKind
 
 every_style = pytest.mark.parametrize("style", STYLES.values(), ids=lambda style: style.name)
 PARTS: tuple[Part, ...] = ("floor", "wall")

@@ -10,19 +10,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.metrics import part_of, rooms_of_kind, score_scene, score_scenes
-from chord_usd.metrics.clear_floor import Blocked, blocked_openings, rooms_beside
-from chord_usd.metrics.fidelity import (
+from chord_usd.base.metrics import part_of, rooms_of_kind, score_scene, score_scenes
+from chord_usd.base.metrics.clear_floor import Blocked, blocked_openings, rooms_beside
+from chord_usd.base.metrics.fidelity import (
     match_items,
     opening_f1,
     orientation,
     plan_fidelity,
 )
-from chord_usd.metrics.overlap import items_overlap, overlaps_by_nature, scene_overlap
-from chord_usd.metrics.rooms import empty_rooms, out_of_room
-from chord_usd.metrics.walk import entrance, walk, ways_shut
-from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
-from chord_usd.scene.units import rotation_2d
+from chord_usd.base.metrics.overlap import items_overlap, overlaps_by_nature, scene_overlap
+from chord_usd.base.metrics.rooms import empty_rooms, out_of_room
+from chord_usd.base.metrics.walk import entrance, walk, ways_shut
+from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
+from chord_usd.base.scene.units import rotation_2d
 
 
 def room(room_id: str, kind, x: float, y: float, length: float, width: float) -> Room:

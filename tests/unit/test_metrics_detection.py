@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd.metrics.detection import (
+from chord_usd.base.metrics.detection import (
     Proposal,
     average_precision,
     average_precisions,
     edge_errors_m,
     judged,
 )
-from chord_usd.scene.types import Box
+from chord_usd.base.scene.types import Box
 
 RIGHT, WRONG = True, False
 

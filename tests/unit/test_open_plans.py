@@ -8,21 +8,11 @@ import shapely
 from shapely.geometry import Point
 from shapely.ops import unary_union
 
-from chord_usd.metrics.clear_floor import blocked_openings, clearances
-from chord_usd.plan.home_uses import (
-    kinds_of_home,
-    part_open_plans,
-    uses_elsewhere,
-    with_missing_rooms,
-)
-from chord_usd.plan.open_plans import Use, part_room
-from chord_usd.plan.seen_kinds import seen_kinds
-from chord_usd.plan.vector.assemble import assemble
-from chord_usd.plan.vector.shapes import Label, RoomShape, VectorDrawing
-from chord_usd.raster.page_labels import KIND_NAMES
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.room_names import room_kind, room_kinds
-from chord_usd.scene.types import (
+from chord_usd.base.metrics.clear_floor import blocked_openings, clearances
+from chord_usd.base.raster.page_labels import KIND_NAMES
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.room_names import room_kind, room_kinds
+from chord_usd.base.scene.types import (
     Box,
     Item,
     Opening,
@@ -32,6 +22,16 @@ from chord_usd.scene.types import (
     SceneGraph,
     frozen_array,
 )
+from chord_usd.line.plan.home_uses import (
+    kinds_of_home,
+    part_open_plans,
+    uses_elsewhere,
+    with_missing_rooms,
+)
+from chord_usd.line.plan.open_plans import Use, part_room
+from chord_usd.line.plan.seen_kinds import seen_kinds
+from chord_usd.line.plan.vector.assemble import assemble
+from chord_usd.line.plan.vector.shapes import Label, RoomShape, VectorDrawing
 
 
 def room(name, kind, *corners):

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from safetensors.numpy import load_file, save_file
 
-from chord_usd.errors import CheckpointError
-from chord_usd.runtime.networks import WEIGHTS_FILE, read_weights
-from chord_usd.runtime.packed_weights import packed, unpacked
-from chord_usd.training.packed_file import write_eight_bits
+from chord_usd.base.errors import CheckpointError
+from chord_usd.base.runtime.networks import WEIGHTS_FILE, read_weights
+from chord_usd.base.runtime.packed_weights import packed, unpacked
+from chord_usd.workshop.training.packed_file import write_eight_bits
 
 SHIPPED = Path(__file__).parents[2] / "checkpoints"
 

@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from plan_round_trip import HALF_DIAGONAL_PX, assert_round_trip
 
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import PlanError
-from chord_usd.plan.decode import decode_plan
-from chord_usd.plan.scale import wall_thickness_px
-from chord_usd.raster import canvas
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.types import (
+from chord_usd.base.errors import PlanError
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import (
     WALL_THICKNESS_M,
     Box,
     Opening,
@@ -22,6 +19,9 @@ from chord_usd.scene.types import (
     RoomKind,
     frozen_array,
 )
+from chord_usd.line.plan.decode import decode_plan
+from chord_usd.line.plan.scale import wall_thickness_px
+from chord_usd.workshop.data.houses import random_plan
 
 Kinds = tuple[RoomKind, RoomKind]
 

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from chord_usd.plan.perspective import find_sheet, rectifying, sheet_size
-from chord_usd.scene.types import ByteArray, FloatArray
+from chord_usd.base.scene.types import ByteArray, FloatArray
+from chord_usd.line.plan.perspective import find_sheet, rectifying, sheet_size
 
 SHEET = (600, 420)
 """Width and height of the true sheet."""

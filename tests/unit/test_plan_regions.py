@@ -10,19 +10,19 @@ import pytest
 from shapely.geometry import Polygon
 from true_segments import TrueReader, segments_of
 
-from chord_usd.data.drawn.crowded import draw_page
-from chord_usd.data.drawn.page_looks import Look
-from chord_usd.data.drawn.truth import CrowdedPage
-from chord_usd.evaluation.plans import Reader, crowded_case, score_reading
-from chord_usd.plan.drawing import Known, read_drawing
-from chord_usd.plan.placement import WARNINGS, frame_of, straightening_of
-from chord_usd.plan.regions import find_regions, room_outlines, stair_outlines
-from chord_usd.plan.sheet import straightening_matrix
-from chord_usd.plan.text import Text
-from chord_usd.plan.wall_openings import find_openings
-from chord_usd.raster.page_labels import DOOR, FLOOR, OUTSIDE, PASSAGE, STAIRS, WALL, WINDOW
-from chord_usd.scene.stair_spirals import is_round
-from chord_usd.scene.types import ByteArray
+from chord_usd.base.raster.page_labels import DOOR, FLOOR, OUTSIDE, PASSAGE, STAIRS, WALL, WINDOW
+from chord_usd.base.scene.stair_spirals import is_round
+from chord_usd.base.scene.types import ByteArray
+from chord_usd.line.plan.drawing import Known, read_drawing
+from chord_usd.line.plan.placement import WARNINGS, frame_of, straightening_of
+from chord_usd.line.plan.regions import find_regions, room_outlines, stair_outlines
+from chord_usd.line.plan.sheet import straightening_matrix
+from chord_usd.line.plan.text import Text
+from chord_usd.line.plan.wall_openings import find_openings
+from chord_usd.workshop.data.drawn.crowded import draw_page
+from chord_usd.workshop.data.drawn.page_looks import Look
+from chord_usd.workshop.data.drawn.truth import CrowdedPage
+from chord_usd.workshop.evaluation.plans import Reader, crowded_case, score_reading
 
 UPRIGHT = Look("agent", names=0.0, sizes=0.0, chains=0.0, furniture_of_page=0.0, surroundings=0.0)
 NOWHERE = Known((Text("x", np.zeros((4, 2)), 1.0),))

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.plan.measures import parse_measure
-from chord_usd.plan.printed import Estimate, estimates
-from chord_usd.plan.scale_choice import choose_scale
-from chord_usd.plan.text import Text
-from chord_usd.scene.room_areas import plausibility, scale_by_rooms
-from chord_usd.scene.types import RoomKind
+from chord_usd.base.scene.room_areas import plausibility, scale_by_rooms
+from chord_usd.base.scene.types import RoomKind
+from chord_usd.line.plan.measures import parse_measure
+from chord_usd.line.plan.printed import Estimate, estimates
+from chord_usd.line.plan.scale_choice import choose_scale
+from chord_usd.line.plan.text import Text
 
 MEASURES = {
     "13m²": ("area", (13.0,)),

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from chord_usd.plan.sheet import ink_of, measure_skew, on_white, turned
-from chord_usd.scene.types import ByteArray
+from chord_usd.base.scene.types import ByteArray
+from chord_usd.line.plan.sheet import ink_of, measure_skew, on_white, turned
 
 SIDE = 800
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.plan.text import _broadened
+from chord_usd.line.plan.text import _broadened
 
 sides = st.integers(1, 400)
 

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd.data.houses import random_plan
-from chord_usd.planning.divide import Seed, divided
-from chord_usd.planning.faults import faults
-from chord_usd.planning.outline import open_shell, shell_labels
-from chord_usd.planning.partition import plan_from_labels
-from chord_usd.raster import plan_labels
-from chord_usd.raster.bubbles import bubbles_of
-from chord_usd.scene.geometry import is_axis_aligned
-from chord_usd.scene.types import Box, Opening, Plan, Room, frozen_array
-from chord_usd.scene.wish import room_counts
+from chord_usd.base.raster import plan_labels
+from chord_usd.base.raster.bubbles import bubbles_of
+from chord_usd.base.scene.geometry import is_axis_aligned
+from chord_usd.base.scene.types import Box, Opening, Plan, Room, frozen_array
+from chord_usd.base.scene.wish import room_counts
+from chord_usd.line.planning.divide import Seed, divided
+from chord_usd.line.planning.faults import faults
+from chord_usd.line.planning.outline import open_shell, shell_labels
+from chord_usd.line.planning.partition import plan_from_labels
+from chord_usd.workshop.data.houses import random_plan
 
 
 def spot(width: int = 40, height: int = 20) -> np.ndarray:

@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import PlanError
-from chord_usd.layout.floor_condition import GRID_PLANES, PIXEL_PLANES, floor_condition
-from chord_usd.planning.choose import best, judged
-from chord_usd.planning.faults import faults
-from chord_usd.planning.floor_sheet import blank_sheet
-from chord_usd.planning.outline import open_shell, shell_labels, shell_of
-from chord_usd.planning.partition import plan_from_labels
-from chord_usd.raster import plan_labels
-from chord_usd.scene.geometry import is_axis_aligned, room_polygon
-from chord_usd.scene.types import Box, Opening, Plan, Room, frozen_array
-from chord_usd.scene.wish import Wish, floor_area_m2, has_open_kitchen, room_counts
+from chord_usd.base.errors import PlanError
+from chord_usd.base.raster import plan_labels
+from chord_usd.base.scene.geometry import is_axis_aligned, room_polygon
+from chord_usd.base.scene.types import Box, Opening, Plan, Room, frozen_array
+from chord_usd.base.scene.wish import Wish, floor_area_m2, has_open_kitchen, room_counts
+from chord_usd.line.layout.floor_condition import GRID_PLANES, PIXEL_PLANES, floor_condition
+from chord_usd.line.planning.choose import best, judged
+from chord_usd.line.planning.faults import faults
+from chord_usd.line.planning.floor_sheet import blank_sheet
+from chord_usd.line.planning.outline import open_shell, shell_labels, shell_of
+from chord_usd.line.planning.partition import plan_from_labels
+from chord_usd.workshop.data.houses import random_plan
 
 
 def fitting_plans(count: int, aligned: bool = True) -> list[tuple[Plan, float]]:

@@ -2,8 +2,8 @@
 
 import pytest
 
-from chord_usd.planning.ways import DOOR_M, FRONT_DOOR_M, Border, missing_doors
-from chord_usd.scene.types import Box, Opening
+from chord_usd.base.scene.types import Box, Opening
+from chord_usd.line.planning.ways import DOOR_M, FRONT_DOOR_M, Border, missing_doors
 
 BOX = Box((0.0, 0.0, 0.0), (0.8, 0.24, 2.1), 0.0)
 KINDS = {"corridor1": "corridor", "bedroom1": "bedroom", "bathroom1": "bathroom"}

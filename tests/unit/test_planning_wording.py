@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from chord_usd.data.descriptions import describe
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import ChordError
-from chord_usd.layout.config import FLOOR
-from chord_usd.planning.wording import read_wish
-from chord_usd.planning.words import (
+from chord_usd.base.errors import ChordError
+from chord_usd.base.scene.wish import Wish
+from chord_usd.line.layout.config import FLOOR
+from chord_usd.line.planning.wording import read_wish
+from chord_usd.line.planning.words import (
     PROGRAMME_CHANNELS,
     PROGRAMME_ROWS,
     TEXT_CHANNELS,
@@ -16,7 +15,8 @@ from chord_usd.planning.words import (
     WORDS,
     condition_words,
 )
-from chord_usd.scene.wish import Wish
+from chord_usd.workshop.data.descriptions import describe
+from chord_usd.workshop.data.houses import random_plan
 from tests.every import for_every
 
 READ = {

@@ -11,13 +11,17 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import PlanError
-from chord_usd.raster import canvas
-from chord_usd.scene import palette
-from chord_usd.scene.geometry import footprint_polygon, front_direction, room_polygon, wall_area
-from chord_usd.scene.palette import Level, Mount
-from chord_usd.scene.types import (
+from chord_usd.base.errors import PlanError
+from chord_usd.base.raster import canvas
+from chord_usd.base.scene import palette
+from chord_usd.base.scene.geometry import (
+    footprint_polygon,
+    front_direction,
+    room_polygon,
+    wall_area,
+)
+from chord_usd.base.scene.palette import Level, Mount
+from chord_usd.base.scene.types import (
     CANVAS_PX,
     Box,
     Item,
@@ -28,7 +32,8 @@ from chord_usd.scene.types import (
     Room,
     frozen_array,
 )
-from chord_usd.scene.units import m_from_px, px_from_m
+from chord_usd.base.scene.units import m_from_px, px_from_m
+from chord_usd.workshop.data.houses import random_plan
 
 FRAME = PixelFrame(0.05, (-1.0, -2.0))
 HOUSE = ("living", [[0, 0], [5, 0], [5, 4], [2.5, 4], [2.5, 6], [0, 6]])

@@ -8,12 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chord_usd.errors import ChordError
-from chord_usd.lists.list_sampler import Drawn, Subject
-from chord_usd.lists.pieces import frame_of, pieces_of
-from chord_usd.lists.vocabulary import Element
-from chord_usd.lists.wishes import Asked, Piece
-from chord_usd.pipeline.redraw import (
+from chord_usd.base.errors import ChordError
+from chord_usd.base.raster import canvas
+from chord_usd.base.runtime.progress import Stopwatch
+from chord_usd.base.scene.types import Item, LayoutImage, Plan, PlanImage, Provenance, SceneGraph
+from chord_usd.line.lists.list_sampler import Drawn, Subject
+from chord_usd.line.lists.pieces import frame_of, pieces_of
+from chord_usd.line.lists.vocabulary import Element
+from chord_usd.line.lists.wishes import Asked, Piece
+from chord_usd.line.pipeline.redraw import (
     WISH_DRAWS,
     Draw,
     Mended,
@@ -22,9 +25,6 @@ from chord_usd.pipeline.redraw import (
     furnish_again,
     mend_rooms,
 )
-from chord_usd.raster import canvas
-from chord_usd.runtime.progress import Stopwatch
-from chord_usd.scene.types import Item, LayoutImage, Plan, PlanImage, Provenance, SceneGraph
 
 
 class Painter:

@@ -9,11 +9,11 @@ from shapely.affinity import rotate
 from shapely.geometry import Polygon, box
 from shapely.geometry.base import BaseGeometry
 
-from chord_usd.data.houses import random_plan
-from chord_usd.errors import PlanError
-from chord_usd.scene.roof_planes import OVERHANG_M, RoofPlane, roof_planes
-from chord_usd.stage.slabs import covered as covered_by
-from chord_usd.stage.walls import build_walls
+from chord_usd.base.errors import PlanError
+from chord_usd.base.scene.roof_planes import OVERHANG_M, RoofPlane, roof_planes
+from chord_usd.line.stage.shell.slabs import covered as covered_by
+from chord_usd.line.stage.shell.walls import build_walls
+from chord_usd.workshop.data.houses import random_plan
 from tests.every import for_every
 
 

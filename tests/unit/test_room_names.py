@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from chord_usd.scene.room_names import room_kind
-from chord_usd.scene.room_words import ROOM_KINDS, WORDS
-from chord_usd.scene.types import RoomKind
+from chord_usd.base.scene.room_names import room_kind
+from chord_usd.base.scene.room_words import ROOM_KINDS, WORDS
+from chord_usd.base.scene.types import RoomKind
 
 NAMES: dict[RoomKind, str] = {
     "living": "Lounge|Living Room 2|Wohnzimmer|Séjour|Salón|Sala de Estar|VARDAGSRUM|Olohuone|OH"

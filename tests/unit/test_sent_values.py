@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from chord_usd.errors import PlanError
-from chord_usd.runtime.confined import confined
-from chord_usd.runtime.sent_values import packed, unpacked
-from chord_usd.scene.types import Box, Room
+from chord_usd.base.errors import PlanError
+from chord_usd.base.runtime.confined import confined
+from chord_usd.base.runtime.sent_values import packed, unpacked
+from chord_usd.base.scene.types import Box, Room
 
 
 def through(value: object) -> Any:
@@ -82,10 +82,10 @@ def test_errors_keep_their_parts() -> None:
     "tree",
     [
         ["data", "os", "system", {"command": "true"}],
-        ["data", "chord_usd.runtime.confined", "confined", {}],
+        ["data", "chord_usd.base.runtime.confined", "confined", {}],
         ["data", "chord_usd.not_loaded", "Name", {}],
         ["error", "builtins", "SystemExit", {}],
-        ["error", "chord_usd.scene.types", "Box", {}],
+        ["error", "chord_usd.base.scene.types", "Box", {}],
         ["call", "os.system", ["true"]],
     ],
 )

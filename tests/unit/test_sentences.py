@@ -11,15 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.arrange.asked_edits import carry_out
-from chord_usd.arrange.asked_work import Work
-from chord_usd.errors import ChordError
-from chord_usd.lists.sentences import Understood, understand
-from chord_usd.metrics.violations import violations
-from chord_usd.scene.geometry import to_own
-from chord_usd.scene.palette import category
-from chord_usd.scene.types import Asset, Box, Item, Room, SceneGraph
-from chord_usd.stage.names import name_rooms
+from chord_usd.base.errors import ChordError
+from chord_usd.base.metrics.violations import violations
+from chord_usd.base.scene.geometry import to_own
+from chord_usd.base.scene.palette import category
+from chord_usd.base.scene.types import Asset, Box, Item, Room, SceneGraph
+from chord_usd.line.arrange.asked_edits import carry_out
+from chord_usd.line.arrange.asked_work import Work
+from chord_usd.line.lists.sentences import Understood, understand
+from chord_usd.line.stage.author.names import name_rooms
 from tests.house_facts import Facts
 
 _FILE = Path(__file__).parents[1] / "fixtures" / "sentences.json"

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from chord_usd.errors import ChordError
-from chord_usd.lists.sentences import understand
-from chord_usd.scene.types import SceneGraph
-from chord_usd.stage.names import name_rooms
+from chord_usd.base.errors import ChordError
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.line.lists.sentences import understand
+from chord_usd.line.stage.author.names import name_rooms
 from tests.every import for_every
 
 STATEMENTS = (

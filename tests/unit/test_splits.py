@@ -2,7 +2,13 @@
 
 import numpy as np
 
-from chord_usd.data.splits import TEST_SEED, is_test_seed, part_of, split_hash, training_seed
+from chord_usd.workshop.data.splits import (
+    TEST_SEED,
+    is_test_seed,
+    part_of,
+    split_hash,
+    training_seed,
+)
 
 
 def test_the_hash_names_the_set_not_the_order():

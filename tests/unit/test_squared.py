@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon
 
-from chord_usd.plan.squared import is_askew, squared
+from chord_usd.line.plan.squared import is_askew, squared
 
 THICKNESS_PX = 12.0
 

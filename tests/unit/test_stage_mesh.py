@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import shapely
 
-from chord_usd.stage.door_leaves import LeafKind, leaf_parts
-from chord_usd.stage.mesh import flat, mesh_of, prism, upright
-from chord_usd.stage.opening_shapes import Leaf
+from chord_usd.line.stage.shell.door_leaves import LeafKind, leaf_parts
+from chord_usd.line.stage.shell.mesh import flat, mesh_of, prism, upright
+from chord_usd.line.stage.shell.opening_shapes import Leaf
 
 SLANTED = shapely.Polygon(
     [(0.0, 0.0), (10.4341, 0.0), (9.8286, 11.91), (6.49, 12.59)],

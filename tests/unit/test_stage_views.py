@@ -9,12 +9,12 @@ import pytest
 import shapely
 from shapely.geometry import LineString, Point, Polygon, box
 
-from chord_usd.data.furnish import furnish
-from chord_usd.data.houses import random_plan
-from chord_usd.scene.geometry import footprint_polygon, room_polygon
-from chord_usd.scene.types import Box, FloatArray, Item, Opening
-from chord_usd.scene.units import rotation_2d
-from chord_usd.stage.viewpoints import NEAR_M, SENSOR_MM, View, choose_view
+from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.base.scene.types import Box, FloatArray, Item, Opening
+from chord_usd.base.scene.units import rotation_2d
+from chord_usd.line.stage.views.viewpoints import NEAR_M, SENSOR_MM, View, choose_view
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
 
 
 def item(category: str, at_m: tuple[float, float], size_m: tuple[float, float, float]) -> Item:

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.errors import ChordError
-from chord_usd.pipeline import Settings
-from chord_usd.pipeline.whole_house import read_storeys
-from chord_usd.plan.corrections import on_storeys, read_rooms
-from chord_usd.scene.chord_json import json_text
-from chord_usd.scene.json_stairs import storeys_to_json
+from chord_usd.base.errors import ChordError
+from chord_usd.base.scene.chord_json import json_text
+from chord_usd.base.scene.json_stairs import storeys_to_json
+from chord_usd.line.pipeline import Settings
+from chord_usd.line.pipeline.whole_house import read_storeys
+from chord_usd.line.plan.corrections import on_storeys, read_rooms
+from chord_usd.workshop.data.storey_houses import random_storeys
 
 NAMES = ["Ground floor", "First floor"]
 

@@ -11,18 +11,18 @@ import pytest
 from shapely import affinity
 from shapely.ops import unary_union
 
-from chord_usd.data.storey_houses import random_storeys
-from chord_usd.errors import PlanError
-from chord_usd.metrics.walk import walk
-from chord_usd.scene.geometry import polygons_of, room_polygon
-from chord_usd.scene.json_stairs import STAIRS, StoreyPlan, storeys_from_json, storeys_to_json
-from chord_usd.scene.pose import Pose, posed
-from chord_usd.scene.stair_cells import is_cell
-from chord_usd.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
-from chord_usd.scene.stair_places import DRAWN_STAIRS
-from chord_usd.scene.stair_spirals import is_round
-from chord_usd.scene.storeys import Building, stack
-from chord_usd.scene.types import Plan, Room
+from chord_usd.base.errors import PlanError
+from chord_usd.base.metrics.walk import walk
+from chord_usd.base.scene.geometry import polygons_of, room_polygon
+from chord_usd.base.scene.json_stairs import STAIRS, StoreyPlan, storeys_from_json, storeys_to_json
+from chord_usd.base.scene.pose import Pose, posed
+from chord_usd.base.scene.stair_cells import is_cell
+from chord_usd.base.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
+from chord_usd.base.scene.stair_places import DRAWN_STAIRS
+from chord_usd.base.scene.stair_spirals import is_round
+from chord_usd.base.scene.storeys import Building, stack
+from chord_usd.base.scene.types import Plan, Room
+from chord_usd.workshop.data.storey_houses import random_storeys
 
 HOUSES = 24
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.graph.table_place import Laid, place_on
-from chord_usd.graph.tabletop import lay_pieces, table_views, with_items
-from chord_usd.graph.top_view import is_too_small, view_from_above
-from chord_usd.raster.relief import Relief
-from chord_usd.raster.table_top import TableTop
-from chord_usd.scene.geometry import footprint, footprint_polygon, in_world
-from chord_usd.scene.types import Asset, Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.base.raster.relief import Relief
+from chord_usd.base.raster.table_top import TableTop
+from chord_usd.base.scene.geometry import footprint, footprint_polygon, in_world
+from chord_usd.base.scene.types import Asset, Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.line.graph.table_place import Laid, place_on
+from chord_usd.line.graph.tabletop import lay_pieces, table_views, with_items
+from chord_usd.line.graph.top_view import is_too_small, view_from_above
 
 TOP_M = 0.75
 ROOM = Room("a", "living", frozen_array([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]))

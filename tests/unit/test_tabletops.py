@@ -11,23 +11,11 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.data.floorplans.dice import Dice
-from chord_usd.data.tabletops import Tabletop, lay, random_tabletop
-from chord_usd.data.tabletops.board import EDGE_M, Board, Outline
-from chord_usd.data.tabletops.tops import SHARES, Piece
-from chord_usd.graph.match import items_seen
-from chord_usd.graph.table_items import read_items
-from chord_usd.layout.table_condition import (
-    AREA_PLANE,
-    GRID_PLANES,
-    PIXEL_PLANES,
-    table_condition,
-)
-from chord_usd.metrics.detection import edge_errors_m
-from chord_usd.metrics.fidelity import match_items
-from chord_usd.metrics.overlap import items_overlap
-from chord_usd.raster import canvas
-from chord_usd.raster.table_top import (
+from chord_usd.base.metrics.detection import edge_errors_m
+from chord_usd.base.metrics.fidelity import match_items
+from chord_usd.base.metrics.overlap import items_overlap
+from chord_usd.base.raster import canvas
+from chord_usd.base.raster.table_top import (
     CANVAS_M,
     TABLE_CANVAS_PX,
     Border,
@@ -36,9 +24,28 @@ from chord_usd.raster.table_top import (
     table_frame,
     top_mask,
 )
-from chord_usd.scene.geometry import footprint, footprint_polygon, front_direction
-from chord_usd.scene.palette import SUPPORTS, TABLE_CATEGORIES, TOP_SHADES, Level, Mount, category
-from chord_usd.scene.types import Box, Item, LayoutImage
+from chord_usd.base.scene.geometry import footprint, footprint_polygon, front_direction
+from chord_usd.base.scene.palette import (
+    SUPPORTS,
+    TABLE_CATEGORIES,
+    TOP_SHADES,
+    Level,
+    Mount,
+    category,
+)
+from chord_usd.base.scene.types import Box, Item, LayoutImage
+from chord_usd.line.graph.match import items_seen
+from chord_usd.line.graph.table_items import read_items
+from chord_usd.line.layout.table_condition import (
+    AREA_PLANE,
+    GRID_PLANES,
+    PIXEL_PLANES,
+    table_condition,
+)
+from chord_usd.workshop.data.floorplans.dice import Dice
+from chord_usd.workshop.data.tabletops import Tabletop, lay, random_tabletop
+from chord_usd.workshop.data.tabletops.board import EDGE_M, Board, Outline
+from chord_usd.workshop.data.tabletops.tops import SHARES, Piece
 
 COUNT = 200
 CELL_PX = 4

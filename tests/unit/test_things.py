@@ -8,14 +8,14 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chord_usd.data.tabletops import random_tabletop
-from chord_usd.lists import things
-from chord_usd.lists.things import THINGS
-from chord_usd.lists.top_lists import top_faults
-from chord_usd.metrics.overlap import items_overlap
-from chord_usd.raster.table_top import SIDES, Border, TableTop
-from chord_usd.scene.palette import SUPPORTS, TABLE_CATEGORIES
-from chord_usd.scene.types import Box, Item
+from chord_usd.base.metrics.overlap import items_overlap
+from chord_usd.base.raster.table_top import SIDES, Border, TableTop
+from chord_usd.base.scene.palette import SUPPORTS, TABLE_CATEGORIES
+from chord_usd.base.scene.types import Box, Item
+from chord_usd.line.lists import things
+from chord_usd.line.lists.things import THINGS
+from chord_usd.line.lists.top_lists import top_faults
+from chord_usd.workshop.data.tabletops import random_tabletop
 
 SEEDS = st.integers(0, 100_000)
 

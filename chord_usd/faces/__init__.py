@@ -1,0 +1,1 @@
+"""Ways into the program: verbs, the page, batches, farms."""

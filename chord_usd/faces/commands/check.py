@@ -1,0 +1,56 @@
+"""check: stage -> report, exit code 0 only if the certificate holds."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.base.runtime.counting import counted
+from chord_usd.faces.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
+
+if TYPE_CHECKING:
+    from chord_usd.line.stage.check.check_stage import Report
+
+OUTLIERS_TOLD = 3
+"""How many of the least expected items the report names."""
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(verbs, "check", run, "certify a stage: valid, walkable, free of collisions")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.line.stage.check.check_stage import certificate, check_stage
+
+    with stopwatch(options).step("check"):
+        report = check_stage(existing_file(options.stage))
+    data = certificate(report)
+    return Outcome(_text(options.stage, report, data), data, report.holds)
+
+
+def _text(stage: Path, report: Report, data: dict[str, Any]) -> str:
+    lines = [f"{stage}: the certificate {'holds' if report.holds else 'does not hold'}"]
+    lines += [f"  {fault}" for fault in report.faults]
+    lines.append(
+        f"  walkable {data['walkable']:.0%}, reachable rooms {data['reachable_rooms']:.0%}, "
+        f"POR {data['por']:.4f} and PIoU {data['piou']:.4f} over {data['pairs']} pairs"
+    )
+    lines.append(f"  rooms complete {data['complete']:.0%}, right {data['right']:.0%}")
+    lines += [f"    {flaw}" for flaw in report.flaws]
+    lines += _outliers(data["ood"])
+    return "\n".join(lines)
+
+
+def _outliers(ood: list[dict[str, Any]]) -> list[str]:
+    """What the layout model expected least."""
+    if not ood:
+        return []
+    mean = sum(one["score"] for one in ood) / len(ood)
+    lines = [
+        f"  out of distribution: {mean:.2f} on average over {counted(len(ood), 'item')}; most:"
+    ]
+    return lines + [f"    {one['score']:.2f} {one['path']}" for one in ood[:OUTLIERS_TOLD]]

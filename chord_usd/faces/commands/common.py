@@ -1,0 +1,362 @@
+"""What the verbs share: option types, the common options and the outcome of a verb."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from chord_usd.base.runtime.inputs import STAGE_SUFFIXES, refuse_odd_file
+from chord_usd.base.runtime.progress import PROGRESS_STYLES, Stopwatch, make_reporter
+from chord_usd.base.scene.articulation import FIXED, JOINTED
+from chord_usd.base.scene.limits import M_PER_PX, PARTS, REDRAWS, SEEDS, STEPS, TEXTURE_PX
+from chord_usd.base.scene.roof_forms import NO_ROOF, ROOF_FORMS
+from chord_usd.base.scene.styles import MIXED, STYLES, style_named
+from chord_usd.faces.commands.paths import (
+    UsageError,
+    output_file,
+    output_folder,
+    sky,
+    with_suffixes,
+)
+
+if TYPE_CHECKING:
+    from chord_usd.base.runtime.targets import FolderMode
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a verb has to say."""
+
+    text: str | None
+    """For people; one or more lines. None where the verb had standard output to itself."""
+    data: dict[str, Any] = field(default_factory=dict)
+    """For --json."""
+    holds: bool = True
+    """False where a check did not hold: exit code 1."""
+    warnings: Sequence[str] = ()
+    """What a user should know of the input; told on stderr."""
+
+
+SAMPLERS = ("ddim", "dpm", "ddpm")
+"""As layout.schedule has them, which may not be imported for a help page."""
+
+Run = Callable[[argparse.Namespace], Outcome]
+Verbs = Any
+"""What ArgumentParser.add_subparsers returns; argparse keeps the class private."""
+Options = argparse._ActionsContainer
+"""A parser, or a group of its options."""
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser whose mistakes are errors of one line."""
+
+    def __init__(self, **options: Any) -> None:
+        # An abbreviated option that works today is ambiguous the day a new option arrives.
+        options.setdefault("allow_abbrev", False)
+        super().__init__(**options)
+
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
+        # argparse drops a "--" that is an option's value, and gives it a list without any.
+        if action.option_strings and arg_strings == ["--"]:
+            self.error(f"argument {'/'.join(action.option_strings)}: expected one argument")
+        return super()._get_values(action, arg_strings)  # type: ignore[misc]
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(message.replace("\n", " "), try_=f"{self.prog} --help")
+
+
+def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) -> Parser:
+    """A verb with the options that all verbs have."""
+    parser: Parser = verbs.add_parser(
+        name, help=summary, description=f"{summary[0].upper()}{summary[1:]}.", **options
+    )
+    parser.set_defaults(run=run, parser=parser)
+    common = parser.add_argument_group("reporting")
+    common.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+    common.add_argument(
+        "--progress", choices=PROGRESS_STYLES, default="auto", help="how progress is told on stderr"
+    )
+    common.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    return parser
+
+
+def add_group(verbs: Verbs, name: str, summary: str) -> Verbs:
+    """A verb that has verbs of its own."""
+    parser = verbs.add_parser(name, help=summary, description=f"{summary[0].upper()}{summary[1:]}.")
+    return parser.add_subparsers(metavar="VERB", required=True, dest=f"{name}_verb")
+
+
+def add_output(
+    parser: Parser,
+    summary: str,
+    role: Callable[[str], Path] = output_file,
+    *,
+    suffixes: Sequence[str] = (),
+    **options: Any,
+) -> argparse.Action:
+    """The option -o. role: what kind of output, of commands.paths. suffixes: those it may have,
+    by default any."""
+    options = {"required": True, "metavar": "PATH", **options}
+    output = parser.add_argument("-o", "--output", type=role, help=summary, **options)
+    with_suffixes(output, suffixes)
+    return output
+
+
+def add_stage_output(parser: Parser) -> None:
+    """The option -o of a stage."""
+    summary = "the stage: house.usda, .usd, .usdc, or .usdz for one file"
+    add_output(parser, summary, suffixes=STAGE_SUFFIXES)
+
+
+def add_output_folder(parser: Parser, summary: str) -> None:
+    """The options -o and --overwrite of a folder that is one output."""
+    add_output(parser, f"{summary}, new or empty", output_folder)
+    parser.add_argument(
+        "--overwrite", action="store_true",
+        help="replace what chord-usd wrote into the folder before, and nothing else",
+    )  # fmt: skip
+
+
+def folder_mode(options: argparse.Namespace) -> FolderMode:
+    """What --overwrite asks for, for runtime.files."""
+    return "replace" if options.overwrite else "new"
+
+
+def add_seed(parser: Options) -> None:
+    """The option --seed."""
+    parser.add_argument(
+        "--seed", type=seed, default=0, metavar="N", help="same seed, same house (0)"
+    )
+
+
+def add_steps(parser: Options) -> None:
+    """The option --steps."""
+    parser.add_argument(
+        "--steps", type=whole_number(*STEPS), metavar="N",
+        help="sampler steps (the checkpoint's own)",
+    )  # fmt: skip
+
+
+def add_lists(parser: Options) -> None:
+    """The option --no-list."""
+    parser.add_argument(
+        "--no-list", action="store_true",
+        help="let the diffusion model alone decide what a room holds, as in the paper",
+    )  # fmt: skip
+
+
+def add_arrange(parser: Options) -> None:
+    """The option --no-arrange."""
+    parser.add_argument(
+        "--no-arrange", action="store_true",
+        help="leave every piece where the models put it, also in others and before doors",
+    )  # fmt: skip
+
+
+def add_dressing(parser: Options) -> None:
+    """The option --no-dressing."""
+    parser.add_argument(
+        "--no-dressing", action="store_true",
+        help="leave walls, windows, ceilings, floors and shelves bare, as in the paper",
+    )  # fmt: skip
+
+
+def add_redraws(parser: Options, count: int = 2) -> None:
+    """The option --redraws."""
+    parser.add_argument(
+        "--redraws", type=whole_number(*REDRAWS), default=count, metavar="N",
+        help=f"draw rooms that came out bare or blocked again, so often ({count})",
+    )  # fmt: skip
+
+
+def add_sky(parser: Options) -> None:
+    """The option --sky."""
+    parser.add_argument(
+        "--sky", type=sky, default="", metavar="NAME",
+        help="morning, noon, overcast, evening or night, or an HDRI of yours, .hdr or .exr (noon)",
+    )  # fmt: skip
+
+
+def add_roof(parser: Options) -> None:
+    """The option --roof."""
+    parser.add_argument(
+        "--roof", choices=ROOF_FORMS, default=NO_ROOF,
+        help="a roof that the house can wear: choice of its variant set `roof`, which is left at "
+        "none (none)",
+    )  # fmt: skip
+
+
+def add_device(parser: Options) -> None:
+    """The option --device."""
+    parser.add_argument(
+        "--device", choices=("auto", "cpu", "cuda"), default="auto", help="where the networks run"
+    )
+
+
+def add_style(parser: Options, without: str = "") -> None:
+    """The option --style. without: what holds where it is not given."""
+    parser.add_argument(
+        "--style", type=style_name, default=None if without else MIXED, metavar="NAME",
+        help=f"{', '.join(STYLES)} or {MIXED} ({without or MIXED}: "
+        f"{'else ' if without else ''}one of them by the seed)",
+    )  # fmt: skip
+
+
+def add_articulation(parser: Options) -> None:
+    """The option --articulation."""
+    parser.add_argument(
+        "--articulation", choices=(FIXED, JOINTED), default=FIXED,
+        help="jointed: doors, drawers and lids of furniture open (fixed)",
+    )  # fmt: skip
+
+
+def add_texture_size(parser: Options) -> None:
+    """The option --texture-size."""
+    parser.add_argument(
+        "--texture-size", type=whole_number(*TEXTURE_PX), default=1024, metavar="PX",
+        help="side of the textures of floors and walls (1024)",
+    )  # fmt: skip
+
+
+def style_name(text: str) -> str:
+    """An option type: the name of a style. Raises ChordError that says which there are."""
+    if text != MIXED:
+        style_named(text, 0)
+    return text
+
+
+def add_view(parser: Options) -> None:
+    """The option --view."""
+    parser.add_argument(
+        "--view", type=output_file, metavar="GLB",
+        help="also write the house as a .glb with small pictures, for viewers",
+    )  # fmt: skip
+
+
+def add_assets(parser: Options) -> None:
+    """The option --assets."""
+    parser.add_argument(
+        "--assets",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="a folder of further meshes; may be given several times",
+    )
+
+
+def add_part(parser: Parser) -> None:
+    """The option --part."""
+    parser.add_argument(
+        "--part", type=whole_number(*PARTS), default=1, metavar="N",
+        help="which plan of a sheet, by floor area, or storey, by rooms with doors (1, the most)",
+    )  # fmt: skip
+
+
+def add_rooms(parser: Parser) -> None:
+    """The option --rooms."""
+    parser.add_argument(
+        "--rooms", metavar="KINDS",
+        help='what rooms are, by their numbers on the overlay or ids: "3: bedroom, 5: bathroom"; '
+        'of several storeys, "1/3: bedroom"',
+    )  # fmt: skip
+
+
+def stopwatch(options: argparse.Namespace) -> Stopwatch:
+    """A stopwatch that reports as --progress asks."""
+    return Stopwatch(make_reporter(options.progress))
+
+
+def existing_file(path: Path) -> Path:
+    """The path, if there is a file that can be read to its end. Raises UsageError."""
+    refuse_odd_file(path, UsageError)
+    return path
+
+
+def whole_number(least: int, most: int) -> Callable[[str], int]:
+    """An option type: an integer from least to most, both included."""
+
+    def parse(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{_shown(text)} is not a whole number") from None
+        if value < least:
+            raise argparse.ArgumentTypeError(f"{_shown(text)} is less than {least}")
+        if value > most:
+            raise argparse.ArgumentTypeError(f"{_shown(text)} is more than {most}")
+        return value
+
+    return parse
+
+
+seed = whole_number(*SEEDS)
+"""An option type."""
+
+
+def scale(text: str) -> float:
+    """An option type: metres per pixel of a picture, or per unit of a vector file."""
+    return _within(text, *M_PER_PX, " metres per pixel")
+
+
+def _shown(text: str) -> str:
+    return repr(text if len(text) <= 30 else f"{text[:30]}…")
+
+
+def positive(text: str) -> float:
+    """An option type: a number above zero, between a millionth and a million."""
+    return _within(text, 1e-6, 1e6)
+
+
+def _within(text: str, least: float, most: float, unit: str = "") -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is not a number") from None
+    if not math.isfinite(value) or value <= 0.0:
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is not above zero")
+    if not least <= value <= most:
+        raise argparse.ArgumentTypeError(f"{_shown(text)} is not from {least:g} to {most:g}{unit}")
+    return value
+
+
+def resolution(text: str) -> tuple[int, int]:
+    """An option type: WIDTHxHEIGHT in pixels; RenderOptions knows how many can be rendered."""
+    match = re.fullmatch(r"(\d{1,9})x(\d{1,9})", text)
+    if not match or "0" in match.groups():
+        raise argparse.ArgumentTypeError(f"{text!r} is not WIDTHxHEIGHT, such as 1280x720")
+    return int(match[1]), int(match[2])
+
+
+def size_m(text: str) -> tuple[float, float, float]:
+    """An option type: LENGTHxWIDTHxHEIGHT in metres."""
+    sides = text.split("x")
+    if len(sides) != 3:
+        raise argparse.ArgumentTypeError(f"{text!r} is not LxWxH in metres, such as 1.6x2.0x0.9")
+    return positive(sides[0]), positive(sides[1]), positive(sides[2])
+
+
+def tile(text: str) -> tuple[int, int]:
+    """An option type: I/N, the I-th of N, counted from 0."""
+    match = re.fullmatch(r"(\d{1,5})/(\d{1,5})", text)
+    if not match or int(match[1]) >= int(match[2]):
+        raise argparse.ArgumentTypeError(f"{text!r} is not I/N with I from 0 to N-1, such as 0/4")
+    return int(match[1]), int(match[2])
+
+
+def frames(text: str) -> tuple[int, int]:
+    """An option type: A-B, from one number to another, both included; or one number."""
+    match = re.fullmatch(r"(\d{1,5})(?:-(\d{1,5}))?", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f"{text!r} is not A-B, such as 0-9")
+    return int(match[1]), int(match[2] or match[1])
+
+
+def names(text: str) -> tuple[str, ...]:
+    """An option type: names with commas between them."""
+    return tuple(name for name in text.split(",") if name)

@@ -1,0 +1,110 @@
+"""edit: stage and a sentence -> stage, changed as the sentence says."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
+from chord_usd.faces.commands.certified import holds, reported
+from chord_usd.faces.commands.common import (
+    Outcome,
+    Verbs,
+    add_assets,
+    add_verb,
+    existing_file,
+    stopwatch,
+)
+from chord_usd.faces.commands.paths import in_place_of, output_file, with_suffixes
+
+if TYPE_CHECKING:
+    from chord_usd.line.pipeline.edit_house import Reading
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(verbs, "edit", run, "change a house as a sentence says, and nothing else")
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument(
+        "sentence", metavar="SENTENCE",
+        help='what shall be changed: "put a plant in bedroom 1, no rug in the hall"',
+    )  # fmt: skip
+    parser.add_argument(
+        "--dry-run", action="store_true",
+        help="only say what is understood and whether it can be done; change nothing",
+    )  # fmt: skip
+    parser.add_argument(
+        "--force", action="store_true",
+        help="do it also where the certificate would not hold, or a room lack what it needs",
+    )  # fmt: skip
+    parser.add_argument(
+        "--storey", default="", metavar="NAME",
+        help="which one is meant, by name or by number from 0, where a house has several and the "
+        "sentence means something on more than one",
+    )  # fmt: skip
+    parser.add_argument(
+        "--edits", type=Path, metavar="LAYER",
+        help="a layer over STAGE that moves things: the sentence means the house as it is seen "
+        "there, and the rooms that it changes are written so",
+    )  # fmt: skip
+    target = parser.add_argument(
+        "-o", "--output", type=output_file, metavar="PATH", help="the new stage (STAGE itself)"
+    )
+    in_place_of(target, "STAGE")
+    with_suffixes(target, STAGE_SUFFIXES)
+    add_assets(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.line.pipeline.edit_house import edit
+    from chord_usd.line.pipeline.settings import Settings
+    from chord_usd.line.stage.check.check_stage import certificate
+
+    source = existing_file(options.stage)
+    edits = existing_file(options.edits) if options.edits else None
+    target = options.output or source
+    watch = stopwatch(options)
+    settings = Settings(style="", asset_folders=tuple(options.assets))
+    reading, done, report = edit(
+        source, options.sentence, target, settings, watch, edits, options.storey,
+        force=options.force, dry_run=options.dry_run,
+    )  # fmt: skip
+    check = certificate(report)
+    data = {
+        "stage": str(target), **_data(reading), "added": list(done.added),
+        "removed": list(done.removed), "moved": list(done.moved),
+        "taken_over": list(done.taken_over), "written": not options.dry_run,
+        "seconds": watch.seconds, "certificate": check,
+    }  # fmt: skip
+    counts = ", ".join(
+        f"{len(ids)} {change}"
+        for change, ids in (("new", done.added), ("gone", done.removed), ("moved", done.moved))
+        if ids
+    )
+    written = "a dry run, nothing is written" if options.dry_run else counts or "done"
+    text = reported(check, *_told(reading), f"{target}: {written}")
+    return Outcome(text, data, holds(check))
+
+
+def _told(reading: Reading) -> list[str]:
+    read_as = [f"read {slip}" for slip in reading.understood.read_as]
+    return [*read_as, *reading.understood.told]
+
+
+def _data(reading: Reading) -> dict[str, Any]:
+    intents = reading.understood.intents
+    return {
+        "understood": [
+            {
+                "action": one.action, "rooms": list(one.rooms), "pieces": list(one.items),
+                "new": one.new.category if one.new and one.action != "remove" else "",
+                "count": one.count, "relation": one.relation, "to": list(one.anchors),
+                "style": one.style, "told": one.told,
+            }
+            for one in intents
+        ],
+        "read_as": list(reading.understood.read_as),
+        "rooms": list(reading.rooms),
+    }  # fmt: skip

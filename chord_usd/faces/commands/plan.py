@@ -1,0 +1,139 @@
+"""plan: drawings and vector plans into one another."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from chord_usd.base.runtime.counting import counted
+from chord_usd.base.runtime.files import deliver
+from chord_usd.faces.commands import planned
+from chord_usd.faces.commands.common import (
+    Outcome,
+    Verbs,
+    add_group,
+    add_output,
+    add_part,
+    add_rooms,
+    add_verb,
+    existing_file,
+    scale,
+    stopwatch,
+)
+from chord_usd.faces.commands.paths import output_file
+
+if TYPE_CHECKING:
+    from chord_usd.base.scene.types import PixelFrame, Plan
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verbs."""
+    group = add_group(verbs, "plan", "read and draw floor plans")
+    read = add_verb(group, "read", run_read, "turn a drawing into a vector plan (CHOrD JSON)")
+    read.add_argument(
+        "image", type=Path, metavar="IMAGE",
+        help="floor plan: picture, PDF page, SVG, DXF, IFC or Sweet Home 3D",
+    )  # fmt: skip
+    add_output(read, "the vector plan, plan.json", suffixes=(".json",))
+    read.add_argument(
+        "--scale", type=scale, metavar="M_PER_PX",
+        help="metres per pixel of the drawing, or per unit of a vector file",
+    )  # fmt: skip
+    add_part(read)
+    add_rooms(read)
+    read.add_argument(
+        "--overlay",
+        type=output_file,
+        metavar="PNG",
+        help="also draw what was read over the drawing, with numbers and doubts",
+    )
+    read.add_argument(
+        "--drawing", type=output_file, metavar="PNG",
+        help="also write the drawing, straightened, for programs that draw over it",
+    )  # fmt: skip
+    draw = add_verb(group, "draw", run_draw, "turn a vector plan into a plan raster")
+    draw.add_argument("plan", type=Path, metavar="PLAN", help="vector plan, CHOrD JSON")
+    add_output(draw, "the plan raster, plan.png", suffixes=(".png",))
+    planned.add(group)
+
+
+def run_read(options: argparse.Namespace) -> Outcome:
+    """Runs plan read."""
+    from chord_usd.base.scene.chord_json import write_plan
+    from chord_usd.line.pipeline import Settings, read_plan
+    from chord_usd.line.plan.corrections import read_rooms
+    from chord_usd.line.plan.placement import WARNINGS
+
+    image = existing_file(options.image)
+    said = () if options.rooms is None else read_rooms(options.rooms)
+    settings = Settings(m_per_px=options.scale, part=options.part, rooms=said)
+    with deliver() as delivery:
+        target = delivery.place(options.output)
+        overlay = delivery.place(options.overlay) if options.overlay else None
+        drawing = delivery.place(options.drawing) if options.drawing else None
+        with stopwatch(options).step("plan"):
+            plan = read_plan(image, settings)
+            write_plan(plan, target)
+        if overlay:
+            from chord_usd.line.plan.overlay import draw_overlay
+
+            draw_overlay(plan, image, overlay)
+        frame = None
+        if drawing:
+            from chord_usd.line.plan.overlay import write_drawing
+
+            frame = write_drawing(plan, image, drawing)
+    warnings = list(plan.extra.get(WARNINGS, ()))
+    kinds = [opening.kind for opening in plan.openings]
+    data = {
+        "plan": str(options.output),
+        "rooms": len(plan.rooms),
+        "openings": len(kinds),
+        "doors": kinds.count("door"),
+        "windows": kinds.count("window"),
+        "passages": kinds.count("passage"),
+        **reading_report(plan),
+        **({"drawing": _frame_told(frame)} if frame else {}),
+        "warnings": warnings,
+    }
+    return Outcome(
+        f"{data['plan']}: {counted(data['rooms'], 'room')}, {counted(data['doors'], 'door')}, "
+        f"{counted(data['windows'], 'window')}, {counted(data['passages'], 'passage')}",
+        data,
+        warnings=warnings,
+    )
+
+
+def _frame_told(frame: PixelFrame) -> dict[str, Any]:
+    """Where a picture lies in the plan: metres a pixel, the lower left corner, how high it is."""
+    low = list(frame.origin_m)
+    return {"m_per_px": frame.m_per_px, "origin_m": low, "height_px": frame.height_px}
+
+
+def reading_report(plan: Plan) -> dict[str, Any]:
+    """For --json: where the scale is from, and how sure the reading is of rooms and openings."""
+    from chord_usd.line.plan.openings import CONFIDENCE
+    from chord_usd.line.plan.scale_choice import SCALE
+
+    extras = [(room.id, room.extra) for room in plan.rooms]
+    extras += [(opening.id, opening.extra) for opening in plan.openings]
+    sure = {name: extra[CONFIDENCE] for name, extra in extras if CONFIDENCE in extra}
+    return {"scale": plan.extra.get(SCALE), "confidence": sure}
+
+
+def run_draw(options: argparse.Namespace) -> Outcome:
+    """Runs plan draw."""
+    from chord_usd.base.raster.raster_files import write_raster
+    from chord_usd.base.scene.chord_json import read_plan
+    from chord_usd.line.pipeline import draw_plan
+
+    plan_file = existing_file(options.plan)
+    with stopwatch(options).step("plan"):
+        image = draw_plan(read_plan(plan_file))
+        write_raster(image, options.output)
+    m_per_px = image.frame.m_per_px
+    return Outcome(
+        f"{options.output}: {m_per_px * 100:.1f} cm per pixel",
+        {"plan": str(options.output), "m_per_px": m_per_px},
+    )

@@ -1,0 +1,146 @@
+"""regenerate: stage -> stage, one room furnished anew."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chord_usd.base.runtime.counting import counted
+from chord_usd.base.runtime.files import deliver
+from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
+from chord_usd.faces.commands.certified import certified, holds, reported
+from chord_usd.faces.commands.common import (
+    Outcome,
+    Verbs,
+    add_arrange,
+    add_assets,
+    add_device,
+    add_dressing,
+    add_lists,
+    add_steps,
+    add_style,
+    add_verb,
+    add_view,
+    existing_file,
+    seed,
+    stopwatch,
+)
+from chord_usd.faces.commands.paths import in_place_of, output_file, with_suffixes
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(
+        verbs, "regenerate", run, "furnish one room of a stage anew and leave the rest as it is"
+    )
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument(
+        "--room",
+        required=True,
+        metavar="NAME",
+        help="such as 'Bedroom 1', or its prim's name, such as Bedroom_0",
+    )
+    parser.add_argument(
+        "--keep", action="append", default=[], metavar="NAME",
+        help="furniture or dressing that stays, such as Bed_0; may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
+        "--with", dest="wanted", action="append", metavar="PIECES",
+        help='what the room shall hold, such as "desk, two chairs"',
+    )  # fmt: skip
+    parser.add_argument(
+        "--without", action="append", metavar="PIECES", help="what it shall not, such as sofa"
+    )
+    parser.add_argument(
+        "--edits", type=Path, metavar="LAYER",
+        help="a layer over STAGE that moves things: the room is furnished as it is seen there",
+    )  # fmt: skip
+    target = parser.add_argument(
+        "-o", "--output", type=output_file, metavar="PATH", help="the new stage (STAGE itself)"
+    )
+    in_place_of(target, "STAGE")
+    with_suffixes(target, STAGE_SUFFIXES)
+    parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
+    add_style(parser, "that of the stage")
+    add_steps(parser)
+    add_lists(parser)
+    add_arrange(parser)
+    parser.add_argument(
+        "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
+    )
+    add_dressing(parser)
+    parser.add_argument(
+        "--layout-out", type=output_file, metavar="PNG", help="also write the layout"
+    )
+    parser.add_argument(
+        "--graph-out", type=output_file, metavar="JSON", help="also write the scene graph"
+    )
+    add_view(parser)
+    add_assets(parser)
+    add_device(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb. All outputs appear together, at the end."""
+    from chord_usd.base.raster.raster_files import write_raster
+    from chord_usd.base.scene.chord_json import write_scene
+    from chord_usd.line.arrange.rules import edits_told
+    from chord_usd.line.lists.wishes import read_pieces
+    from chord_usd.line.pipeline import Settings
+    from chord_usd.line.pipeline.one_room import regenerate, write_regenerated
+
+    source = existing_file(options.stage)
+    edits = existing_file(options.edits) if options.edits else None
+    target = options.output or source
+    settings = Settings(
+        steps=options.steps,
+        device=options.device,
+        asset_folders=tuple(options.assets),
+        style=options.style or "",
+        tabletop=not options.no_tabletop,
+        dressing=not options.no_dressing,
+        lists=not options.no_list,
+        arrange=not options.no_arrange,
+    )
+    wishes = read_pieces(*(own and "\n".join(own) for own in (options.wanted, options.without)))
+    watch = stopwatch(options)
+    with deliver() as delivery:
+        layout_out = delivery.place(options.layout_out) if options.layout_out else None
+        graph_out = delivery.place(options.graph_out) if options.graph_out else None
+        made = regenerate(
+            source, options.room, settings, watch, options.seed,
+            keep=options.keep, edits=edits, wishes=wishes,
+        )  # fmt: skip
+        if layout_out:
+            write_raster(made.layout, layout_out)
+        if graph_out:
+            write_scene(made.graph, graph_out)
+        with watch.step("stage"):
+            write_regenerated(made, target)
+        if options.view:
+            from chord_usd.line.stage.export.gltf import write_view
+
+            with watch.step("view"):
+                write_view(target, delivery.place(options.view))
+    check = certified(target, watch)
+    pieces = list(made.graph.items_of(made.room.id))
+    new_ids = {piece.id for piece in made.new_items}
+    furniture = len(pieces)
+    seed = made.layout.provenance.seed
+    data = {
+        "stage": str(target),
+        "room": made.room_name,
+        "seed": seed,
+        "style": made.style,
+        "furniture": furniture,
+        "items": furniture + sum(len(piece.children) for piece in pieces),
+        "dressing": sum(1 for _ in made.graph.dressing_of(made.room.id)),
+        "kept": list(made.kept),
+        "edits": [told for told in edits_told(made.graph) if told["item"] in new_ids],
+        "seconds": watch.seconds,
+        "certificate": check,
+    }
+    made_told = (
+        f"{target}: {counted(len(made.new_items), 'new piece')} in {made.room_name}, seed {seed}"
+    )
+    return Outcome(reported(check, made_told), data, holds(check))

@@ -1,0 +1,87 @@
+"""stage: scene graph -> USD stage."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chord_usd.base.runtime.counting import counted_rooms
+from chord_usd.base.runtime.files import deliver
+from chord_usd.faces.commands.certified import add_check, certified, holds, reported
+from chord_usd.faces.commands.common import (
+    Outcome,
+    Verbs,
+    add_arrange,
+    add_articulation,
+    add_assets,
+    add_roof,
+    add_seed,
+    add_sky,
+    add_stage_output,
+    add_style,
+    add_texture_size,
+    add_verb,
+    existing_file,
+    stopwatch,
+)
+
+
+def add(verbs: Verbs) -> None:
+    """Adds the verb."""
+    parser = add_verb(verbs, "stage", run, "write a scene graph as a USD stage")
+    parser.add_argument("scene", type=Path, metavar="SCENE", help="scene graph, CHOrD JSON")
+    add_stage_output(parser)
+    add_seed(parser)
+    add_style(parser, "the scene's own")
+    add_texture_size(parser)
+    add_articulation(parser)
+    add_arrange(parser)
+    add_sky(parser)
+    add_roof(parser)
+    add_assets(parser)
+    add_check(parser)
+
+
+def run(options: argparse.Namespace) -> Outcome:
+    """Runs the verb."""
+    from chord_usd.base.scene.estimates import of_stage
+    from chord_usd.line.arrange.rules import edits_told
+    from chord_usd.line.pipeline import Settings, read_scene_file, require, settle, write_stage
+
+    settings = Settings(
+        seed=options.seed,
+        sky=options.sky,
+        roof=options.roof,
+        asset_folders=tuple(options.assets),
+        arrange=not options.no_arrange,
+        style=options.style or "",
+        texture_px=options.texture_size,
+        articulation=options.articulation,
+    )
+    require(settings)
+    scene_file = existing_file(options.scene)
+    watch = stopwatch(options)
+    with deliver() as delivery:
+        target = delivery.place(options.output)
+        with watch.step("load"):
+            graph = read_scene_file(scene_file, settings)
+            estimate = of_stage(graph)
+            estimate.require_memory(str(scene_file))
+            watch.announce(estimate.said())
+        with watch.step("stage"):
+            graph = settle(graph, settings)
+            stage = write_stage(graph, target, settings)
+        check = None if options.no_check else certified(target, watch)
+    data = {
+        "stage": str(options.output),
+        "style": graph.style,
+        "rooms": len(graph.rooms),
+        "furniture": len(graph.items),
+        "dressing": len(graph.dressing),
+        "edits": edits_told(graph),
+        "content_hash": stage.content_hash,
+        "seconds": watch.seconds,
+        "certificate": check,
+    }
+    made = f"{options.output}: {counted_rooms(data)}"
+    return Outcome(reported(check, made), data, holds(check))

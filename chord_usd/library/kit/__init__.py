@@ -1,0 +1,1 @@
+"""Solids, joints and designs that furniture is modelled from."""

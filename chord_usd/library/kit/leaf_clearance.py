@@ -1,0 +1,132 @@
+"""Clearance of what opens: leaves are set in, so that they pass whatever stands beside them.
+
+A leaf that hangs at the edge of its face sweeps its free edge outwards: by 3 mm, where it is 60 mm
+thick and 0.6 m wide. A neighbour that stands flush then stops it after three degrees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from chord_usd.base.scene.types import FloatArray
+from chord_usd.library.kit.moves import Hinge, Leaf, Moving, fitted_leaf, leaves_of
+from chord_usd.library.kit.solids import Solid, joined
+
+if TYPE_CHECKING:
+    from chord_usd.library.kit.model import Part
+
+CLEAR_M = 0.003
+"""What stays free between a leaf and its neighbours, wherever the leaf is on its way."""
+
+_BESIDE_M = 0.001
+"""Boxes that overlap by less across a gap do not face each other."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Shut:
+    """A leaf where it is shut."""
+
+    leaf: Leaf
+    bounds_m: FloatArray
+    """(2, 3)"""
+
+    def swings_m(self, axis: int, end: int) -> float:
+        """How far the leaf leaves its bounds at one end of an axis, on its way."""
+        motion = self.leaf.motion
+        turn = "xyz".index(motion.axis)
+        if not isinstance(motion, Hinge) or axis == turn:
+            return 0.0
+        deep = 3 - axis - turn
+        away = self.bounds_m - np.array(motion.at_m)
+        wide = abs(float(away[end, axis]))
+        # The end at which it hangs turns inwards.
+        if wide < abs(float(away[1 - end, axis])):
+            return 0.0
+        return float(np.hypot(wide, np.abs(away[:, deep]).max())) - wide
+
+    def sides(self) -> Iterator[tuple[int, int]]:
+        """Axes across its face, with both ends; a sliding door passes its neighbours."""
+        facing = 2 if self.leaf.kind == "Lid" else 1
+        moves = None if isinstance(self.leaf.motion, Hinge) else "xyz".index(self.leaf.motion.axis)
+        return ((axis, end) for axis in (0, 2) if axis not in (facing, moves) for end in (0, 1))
+
+
+def with_clearance(parts: tuple[Part, ...], size_m: Sequence[float]) -> tuple[Part, ...]:
+    """Parts of a piece of a size, (3,) in metres, whose leaves keep CLEAR_M free on their way.
+
+    What is free is measured to what stands still, to other leaves, and to the sides of the piece,
+    where a neighbour may stand flush.
+    """
+    leaves = leaves_of([one for part in parts for one in part.moves])
+    if not leaves:
+        return parts
+    shut = [
+        _Shut(
+            leaf, next(m.solid for part in parts for m in part.moves if m.leaf is leaf).bounds_m()
+        )
+        for leaf in leaves
+    ]
+    still = [box for part in parts if part.stays for box in part.felt_boxes_m().values()]
+    length, width, height = size_m
+    envelope = np.array([[-length / 2, -width / 2, 0.0], [length / 2, width / 2, height]])
+    moved: dict[Leaf, _Fit] = {}
+    for one in shut:
+        others = [other for other in shut if other is not one]
+        bounds = _set_in(one, still, others, envelope)
+        factor = (bounds[1] - bounds[0]) / (one.bounds_m[1] - one.bounds_m[0])
+        moved[one.leaf] = _Fit(one.leaf, bounds[0] / factor - one.bounds_m[0], factor)
+    return tuple(_fitted_part(part, moved) if part.moves else part for part in parts)
+
+
+def _set_in(
+    one: _Shut, still: Sequence[FloatArray], others: Sequence[_Shut], envelope: FloatArray
+) -> FloatArray:
+    """Bounds, (2, 3), that a leaf may fill."""
+    bounds = one.bounds_m.copy()
+    for axis, end in one.sides():
+        sign = 1.0 if end else -1.0
+        swings = one.swings_m(axis, end)
+        gap = sign * float(envelope[end, axis] - one.bounds_m[end, axis])
+        inset = CLEAR_M + swings - gap
+        for box in still:
+            if (gap_m := _gap_m(one.bounds_m, box, axis, end)) is not None:
+                inset = max(inset, CLEAR_M + swings - gap_m)
+        for other in others:
+            if (gap_m := _gap_m(one.bounds_m, other.bounds_m, axis, end)) is not None:
+                most = max(swings, other.swings_m(axis, 1 - end))
+                inset = max(inset, (CLEAR_M + most - gap_m) / 2)
+        bounds[end, axis] -= sign * max(inset, 0.0)
+    return bounds
+
+
+def _gap_m(bounds: FloatArray, other: FloatArray, axis: int, end: int) -> float | None:
+    """From an end of one box to another that faces it; None where it does not."""
+    shared = np.minimum(bounds[1], other[1]) - np.maximum(bounds[0], other[0])
+    across = [shared[n] for n in range(3) if n != axis]
+    gap = float(other[0, axis] - bounds[1, axis] if end else bounds[0, axis] - other[1, axis])
+    return gap if min(across) > _BESIDE_M and gap > -_BESIDE_M else None
+
+
+class _Fit:
+    """A shift of a leaf and then a stretch, (3,) each."""
+
+    def __init__(self, leaf: Leaf, shift_m: FloatArray, factor: FloatArray) -> None:
+        self._shift_m, self._factor = shift_m, factor
+        self._leaf = fitted_leaf(leaf, shift_m, factor)
+
+    def _solid(self, solid: Solid) -> Solid:
+        return solid.moved(*self._shift_m).scaled(*self._factor)
+
+    def moving(self, one: Moving) -> Moving:
+        felt = tuple(self._solid(box) for box in one.felt)
+        return Moving(self._leaf, self._solid(one.solid), felt)
+
+
+def _fitted_part(part: Part, fits: Mapping[Leaf, _Fit]) -> Part:
+    moves = tuple(fits[one.leaf].moving(one) for one in part.moves)
+    still = [] if part.still is None else [part.still]
+    return replace(part, moves=moves, solid=joined([*(one.solid for one in moves), *still]))

@@ -1,0 +1,1 @@
+"""Looks of walls and floors, sampled by family and parameters."""

@@ -1,0 +1,1 @@
+"""Finishes of furniture: colours, grain, weave, and their touch."""

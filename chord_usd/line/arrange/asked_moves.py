@@ -1,0 +1,340 @@
+"""Pieces that are there moved, turned and swapped as somebody asked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+import shapely
+
+from chord_usd.base.metrics.complete import TABLES, WALLED, table_of
+from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
+from chord_usd.base.scene.geometry import (
+    footprint,
+    footprint_polygon,
+    front_direction,
+    to_own,
+    to_world,
+)
+from chord_usd.base.scene.intents import COMPASS_DEG, DOOR, WINDOW, Intent
+from chord_usd.base.scene.types import Box, FloatArray, Item
+from chord_usd.base.scene.units import rotation_2d, wrap_deg
+from chord_usd.line.arrange.asked_places import NEAR_M, Floor
+from chord_usd.line.arrange.asked_work import (
+    TRIED,
+    Score,
+    Work,
+    best_place,
+    called,
+    refused,
+    score_of,
+    shuts_in,
+    with_resting,
+)
+
+_STEPS_M = (0.5, 0.4, 0.3, 0.2)
+"""How far "nearer" moves a piece, where nothing says it: the farthest that is free."""
+
+_ASIDE_DEG = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
+"""Ways to go nearer where something is in the straight one."""
+
+_SEEN_M, _FARTHEST_M = 9.0, 4.0
+"""How far a piece looks, and how far it may go to look there."""
+
+_SIDEWAYS = 15
+"""Steps of 0.1 m that a piece may stand beside the place of the one that it is swapped with."""
+
+_BELONGS: dict[str, tuple[str, ...]] = {
+    "bed": ("bedside_table", "bed_background"), "sofa": ("sofa_background",),
+}  # fmt: skip
+_BELONGS_M = 0.35
+"""What belongs to a piece, and stands no farther from it."""
+
+_SHIFT_M = 0.8
+"""A piece that is turned by an angle goes no farther than this to have place."""
+
+
+def _group(work: Work, item: Item) -> list[Item]:
+    """A piece, and what goes where it goes: chairs that stand at a table."""
+    if item.category not in TABLES:
+        return [item]
+    chairs = [one for one in work.graph.items
+              if one.category == "chair" and one.id not in work.locked]  # fmt: skip
+    return [item, *(one for one in chairs if table_of(one, work.graph.items) == item)]
+
+
+def _with_belongings(work: Work, item: Item) -> list[Item]:
+    """A group, and what belongs to a bed or a sofa: on other walls it would be of no use."""
+    shape, kinds = footprint_polygon(item.box), _BELONGS.get(item.category, ())
+    near = [one for one in work.graph.items_of(item.room_id)
+            if one.category in kinds and one.id not in work.locked
+            and footprint_polygon(one.box).distance(shape) < _BELONGS_M]  # fmt: skip
+    return [*_group(work, item), *near]
+
+
+def _shifted(item: Item, by_m: FloatArray) -> Item:
+    x, y, z = item.box.center_m
+    return replace(item, box=replace(item.box, center_m=(x + by_m[0], y + by_m[1], z)))
+
+
+def _blocked(work: Work, group: Sequence[Item], room_id: str, by_m: FloatArray) -> str:
+    """What is in the way of pieces that are moved together."""
+    gone = with_resting(work, group)
+    floor = Floor(work.graph, work.room(room_id), gone)
+    told = (floor.in_the_way(_shifted(one, by_m)) for one in group)
+    return next((one for one in told if one), "")
+
+
+def _shift(work: Work, group: Sequence[Item], by_m: FloatArray) -> None:
+    for one in group:
+        work.move(one, _shifted(one, by_m).box)
+
+
+def move(work: Work, intent: Intent) -> None:
+    item = work.item(intent.items[0])
+    if intent.to_room:
+        _move_to_room(work, intent, item)
+    elif intent.way or intent.distance_m is not None:
+        _move_by(work, intent, item)
+    elif intent.relation in ("nearer to", "away from"):
+        _move_some(work, intent, item)
+    else:
+        _move_beside(work, intent, item)
+
+
+def _direction(work: Work, intent: Intent, item: Item) -> FloatArray:
+    """(2,) of length 1, the way that a move goes."""
+    if intent.way:
+        way = math.radians(COMPASS_DEG[intent.way])
+        return np.array([math.cos(way), math.sin(way)])
+    floor = Floor(work.graph, work.room(item.room_id))
+    at = shapely.Point(item.box.center_m[:2])
+    shapes = floor.shapes(intent.anchors)
+    if not shapes:
+        raise refused(intent, f"there is no {intent.anchors[0]} in {called(work, item.room_id)}")
+    nearest = shapely.shortest_line(at, min(shapes, key=at.distance))
+    start, end = (np.array(one) for one in nearest.coords)
+    length_m = float(np.hypot(*(end - start)))
+    if length_m < 1e-6:
+        raise refused(intent, "it stands there already")
+    return (end - start) / length_m * (-1.0 if intent.relation == "away from" else 1.0)
+
+
+def _move_by(work: Work, intent: Intent, item: Item) -> None:
+    assert intent.distance_m is not None
+    group = _group(work, item)
+    by_m = _direction(work, intent, item) * intent.distance_m
+    blocked = _blocked(work, group, item.room_id, by_m)
+    if blocked:
+        raise refused(intent, f"{blocked} is in the way", "a free place")
+    _shift(work, group, by_m)
+
+
+def _move_some(work: Work, intent: Intent, item: Item) -> None:
+    """Nearer or farther, straight or, where something is in the way, to the nearest place that
+    is."""
+    group = _group(work, item)
+    way = _direction(work, intent, item)
+    blocked = ""
+    for gain_m in _STEPS_M:
+        for aside_deg in _ASIDE_DEG:
+            by_m = rotation_2d(aside_deg) @ way * gain_m / math.cos(math.radians(aside_deg))
+            if _leaves_wall(item, by_m):
+                continue
+            own = _blocked(work, group, item.room_id, by_m)
+            if not own:
+                _shift(work, group, by_m)
+                return
+            blocked = blocked or own
+    floor = Floor(work.graph, work.room(item.room_id), with_resting(work, [item]))
+    shape = footprint_polygon(item.box)
+    sign = 1.0 if intent.relation == "away from" else -1.0
+    before_m = min(float(shape.distance(one)) for one in floor.shapes(intent.anchors))
+
+    def score(placed: Item) -> tuple[float, ...] | None:
+        own = footprint_polygon(placed.box)
+        now_m = min(float(own.distance(one)) for one in floor.shapes(intent.anchors))
+        if sign * (now_m - before_m) < _STEPS_M[-1]:
+            return None
+        return (math.dist(placed.box.center_m[:2], item.box.center_m[:2]),)
+
+    found = _best_of_old(work, floor, item, score) if len(group) == 1 else None
+    if found is None:
+        raise refused(intent, f"{blocked} is in the way" if blocked else "no place was found there")
+    work.move(item, found.box)
+
+
+def _leaves_wall(item: Item, by_m: FloatArray) -> bool:
+    """Whether a piece that stands with its back to a wall would stand free."""
+    if item.category not in WALLED:
+        return False
+    return abs(float(by_m @ front_direction(item.box.yaw_deg))) > 0.01
+
+
+def _best_of_old(work: Work, floor: Floor, item: Item, score: Score) -> Item | None:
+    rest = replace(work.graph, items=tuple(i for i in work.graph.items if i.id != item.id))
+    beside = Work(rest, work.database)
+    return best_place(beside, floor, item, score)
+
+
+def _move_beside(work: Work, intent: Intent, item: Item) -> None:
+    floor = Floor(work.graph, work.room(item.room_id), with_resting(work, [item]))
+    found = _best_of_old(work, floor, item, _score_near(floor, intent, item))
+    if found is None:
+        raise refused(intent, "no place was found there", "what the room has place for")
+    work.move(item, found.box)
+
+
+def _score_near(floor: Floor, intent: Intent, item: Item) -> Score:
+    def score(placed: Item) -> tuple[float, ...] | None:
+        missed_m = floor.misses_m(placed, intent.relation, intent.anchors)
+        if missed_m > NEAR_M.get(intent.relation, 1.0):
+            return None
+        turned = abs(wrap_deg(placed.box.yaw_deg - item.box.yaw_deg))
+        away_m = math.dist(placed.box.center_m[:2], item.box.center_m[:2])
+        return (round(missed_m, 1), round(turned, 0), away_m)
+
+    return score
+
+
+def _move_to_room(work: Work, intent: Intent, item: Item) -> None:
+    floor = Floor(work.graph, work.room(intent.to_room), with_resting(work, [item]))
+    found = _best_of_old(work, floor, item, score_of(work, floor, intent))
+    if found is None:
+        raise refused(intent, f"no place was found in {called(work, intent.to_room)}")
+    work.move(item, found.box, intent.to_room)
+
+
+def turn(work: Work, intent: Intent) -> None:
+    item = work.item(intent.items[0])
+    _turn_to(work, intent, item, item.box.yaw_deg + intent.turn_deg, _SHIFT_M)
+
+
+def face(work: Work, intent: Intent) -> None:
+    """Turn a piece to what it shall look at: square to an opening that is straight ahead then."""
+    item = work.item(intent.items[0])
+    if intent.way:
+        _turn_to(work, intent, item, COMPASS_DEG[intent.way] + 90.0, _FARTHEST_M)
+        return
+    floor = Floor(work.graph, work.room(item.room_id))
+    shapes = floor.shapes(intent.anchors[:1])
+    at = shapely.Point(item.box.center_m[:2])
+    holes = [
+        one.box for one in floor.openings
+        if intent.anchors[0] in (WINDOW, DOOR) and (one.kind == WINDOW)
+        == (intent.anchors[0] == WINDOW)
+    ]  # fmt: skip
+    if not shapes:
+        raise refused(intent, f"there is no {intent.anchors[0]} in {called(work, item.room_id)}")
+    hole = min(holes, key=lambda box: footprint_polygon(box).distance(at), default=None)
+    target = footprint_polygon(hole) if hole else shapes[0]
+    ahead = np.array(target.centroid.coords[0]) - item.box.center_m[:2]
+    yaw_deg = _towards_deg(ahead)
+    if hole:
+        square_deg = hole.yaw_deg + (0.0 if front_direction(hole.yaw_deg) @ ahead > 0 else 180.0)
+        if _sees(_turned(item, square_deg), target):
+            yaw_deg = square_deg
+    _turn_to(work, intent, item, yaw_deg, _FARTHEST_M, target)
+
+
+def _towards_deg(ahead: FloatArray) -> float:
+    """The yaw at which a front points this way."""
+    return float(np.degrees(np.arctan2(ahead[0], -ahead[1])))
+
+
+def _turned(item: Item, yaw_deg: float) -> Item:
+    return replace(item, box=replace(item.box, yaw_deg=wrap_deg(yaw_deg)))
+
+
+def _sees(item: Item, target: shapely.Geometry) -> bool:
+    """Whether a piece has this straight ahead."""
+    middle = np.array(item.box.center_m[:2])
+    ahead = middle + front_direction(item.box.yaw_deg) * _SEEN_M
+    return bool(target.intersects(shapely.LineString([middle, ahead])))
+
+
+def _turn_to(
+    work: Work, intent: Intent, item: Item, yaw_deg: float, most_m: float,
+    target: shapely.Geometry | None = None,
+) -> None:  # fmt: skip
+    """Turn a piece where it stands or, where something is in the way, in the nearest free place
+    that shuts nobody in. target: what it has to see from there."""
+    turned = _turned(item, yaw_deg)
+    group = _group(work, item)
+    floor = Floor(work.graph, work.room(item.room_id), with_resting(work, group))
+    blocked = floor.in_the_way(turned)
+    if len(group) > 1:
+        raise refused(intent, "its chairs would be in the way", "a table without chairs")
+    boxes = [turned.box, *_around(turned.box, most_m)] if blocked else [turned.box]
+    boxes.sort(key=lambda box: math.dist(box.center_m[:2], item.box.center_m[:2]))
+    free = (one for one in floor.free(turned, boxes) if target is None or _sees(one, target))
+    found = next((one for one in islice(free, TRIED) if not shuts_in(work, one)), None)
+    if found is None:
+        raise refused(intent, f"{blocked or 'who shall pass'} would be in the way")
+    work.move(item, found.box)
+
+
+def _around(box: Box, most_m: float) -> Iterator[Box]:
+    reach = np.arange(-most_m, most_m + 0.01, 0.1)
+    x, y, z = box.center_m
+    for across in reach:
+        for along in reach:
+            if math.hypot(across, along) <= most_m:
+                yield replace(box, center_m=(float(x + across), float(y + along), z))
+
+
+def swap(work: Work, intent: Intent) -> None:
+    """Let two pieces change places, each with what belongs to it; else the two alone."""
+    one, other = (work.item(item_id) for item_id in intent.items)
+    with_all = [_with_belongings(work, one), _with_belongings(work, other)]
+    for groups in (with_all, [[one], [other]]):
+        gone = with_resting(work, [piece for group in groups for piece in group])
+        floor = Floor(work.graph, work.room(intent.room), gone)
+        places = [list(islice(_places_of(floor, groups[at], groups[1 - at][0]), TRIED))
+                  for at in (0, 1)]  # fmt: skip
+        pairs = ((first, second) for first in places[0] for second in places[1])
+        found = next((pair for pair in pairs if _are_apart(*pair)), None)
+        if found:
+            for group, placed in zip(groups, found, strict=True):
+                for old, new in zip(group, placed, strict=True):
+                    work.move(old, new.box)
+            return
+    raise refused(intent, "one of them has no place where the other stands", "pieces of like size")
+
+
+def _places_of(floor: Floor, group: Sequence[Item], other: Item) -> Iterator[list[Item]]:
+    """Free places of a group whose first piece stands where another one does."""
+    leader = group[0].box
+    corners = np.concatenate([to_own(leader, footprint(one.box)) for one in group])
+    for box in _in_place_of(leader, float(corners[:, 1].max()), other):
+        placed = []
+        for one in group:
+            x, y = to_world(box, to_own(leader, one.box.center_m[:2]))
+            center_m = (float(x), float(y), one.box.center_m[2])
+            yaw_deg = wrap_deg(one.box.yaw_deg + box.yaw_deg - leader.yaw_deg)
+            placed.append(replace(one, box=replace(one.box, center_m=center_m, yaw_deg=yaw_deg)))
+        if not any(floor.in_the_way(one) for one in placed):
+            yield placed
+
+
+def _are_apart(group: Sequence[Item], other: Sequence[Item]) -> bool:
+    shapes = [footprint_polygon(one.box) for one in other]
+    return not any(
+        footprint_polygon(one.box).intersection(shape).area > MIN_OVERLAP_M2
+        for one in group for shape in shapes
+    )  # fmt: skip
+
+
+def _in_place_of(leader: Box, back_m: float, other: Item) -> Iterator[Box]:
+    """Where another piece stands: the back of a group, so far behind its leader's middle, where
+    that piece has its back, then to both sides."""
+    front = front_direction(other.box.yaw_deg)
+    along = np.array([-front[1], front[0]])
+    back = np.array(other.box.center_m[:2]) - front * other.box.size_m[1] / 2
+    for step in sorted(range(-_SIDEWAYS, _SIDEWAYS + 1), key=abs):
+        at = back + front * back_m + along * (step * 0.1)
+        center_m = (float(at[0]), float(at[1]), leader.center_m[2])
+        yield replace(leader, center_m=center_m, yaw_deg=other.box.yaw_deg)

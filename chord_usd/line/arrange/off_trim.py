@@ -1,0 +1,119 @@
+"""Furniture beside doors and below windows: off casings and sills, which stand out of the wall.
+
+Whoever draws a piece knows the hole of an opening, not its trim: what is drawn flush with the wall
+and beside a door stands in the casing, what is nearly as high as a window in its sill.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+
+from chord_usd.base.metrics.clear_floor import sides_of
+from chord_usd.base.scene.geometry import footprint_polygon, front_direction, to_own
+from chord_usd.base.scene.palette import Mount, category
+from chord_usd.base.scene.places import FreePlaces
+from chord_usd.base.scene.trim import boards, casings
+from chord_usd.base.scene.types import Box, FloatArray, Item, SceneGraph
+from chord_usd.base.scene.units import rotation_2d
+from chord_usd.line.arrange.arrangement import Arrangement
+
+_GAP_M = 0.001
+"""Left between a piece and a casing."""
+
+_TOUCH_M2 = 2e-5
+"""Casings are as thin as a finger: a corner of a piece that is in one counts."""
+
+_MOST_CUT = 0.05
+"""Of a side, where a piece has no room to move: as much as meshes are stretched (graph.fit)."""
+_MOST_CUT_ON_WALL = 0.1
+"""Of panels, which are made in any width."""
+
+
+def clear_trim(work: Arrangement) -> SceneGraph:
+    """The house with every piece beside or before the trim of openings, where there is room."""
+    graph = work.graph
+    trim = _trim(graph)
+    if not trim:
+        return graph
+    tree = shapely.STRtree([footprint_polygon(one) for one in trim])
+    items = {item.id: item for item in graph.items}
+    for item in graph.items:
+        mount = category(item.category).mount
+        if mount not in (Mount.FLOOR, Mount.WALL) or not work.may_move(item):
+            continue
+        reach = footprint_polygon(item.box).buffer(max(item.box.size_m[:2]))
+        near = [trim[index] for index in sorted(tree.query(reach))]
+        if _is_in(item.box, near):
+            free = work.free_places(item, items.values())
+            items[item.id] = _beside(item, near, free)
+    return replace(graph, items=tuple(items.values()))
+
+
+def _trim(graph: SceneGraph) -> list[Box]:
+    return [
+        one
+        for opening, room in sides_of(graph.openings, graph.rooms)
+        for one in (*casings(opening, room), *boards(opening, room))
+    ]
+
+
+def _is_in(box: Box, trim: Sequence[Box]) -> bool:
+    shape = footprint_polygon(box)
+    return any(
+        box.center_m[2] < one.top_m
+        and box.top_m > one.center_m[2]
+        and shape.intersection(footprint_polygon(one)).area > _TOUCH_M2
+        for one in trim
+    )
+
+
+def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
+    """The piece moved as little as clears all trim, or cut a little; as it is, if nothing does.
+
+    What hangs on a wall moves along it. trim: also what the piece is not in, but may come into.
+    """
+    moves = [move for one in trim if _is_in(item.box, [one]) for move in _ways_out(item.box, one)]
+    further = [move for one in trim for move in _ways_out(item.box, one)]
+    moves += [one + other for one in moves for other in further if abs(one @ other) < 1e-9]
+    if category(item.category).mount is Mount.WALL:
+        front = front_direction(item.box.yaw_deg)
+        moves = [move for move in moves if abs(front @ move) < _GAP_M]
+    moves.sort(key=lambda move: float(np.hypot(*move)))
+    for box in (*(_moved(item.box, move) for move in moves), *_cuts(item, moves)):
+        if free.has(box) and not _is_in(box, trim):
+            return replace(item, box=box)
+    return item
+
+
+def _moved(box: Box, move: FloatArray) -> Box:
+    x_m, y_m, z_m = box.center_m
+    return replace(box, center_m=(x_m + float(move[0]), y_m + float(move[1]), z_m))
+
+
+def _cuts(item: Item, moves: Sequence[FloatArray]) -> Iterator[Box]:
+    """The box without what sticks out of it when it is moved so, as far as it may be cut."""
+    box = item.box
+    most = _MOST_CUT_ON_WALL if category(item.category).mount is Mount.WALL else _MOST_CUT
+    for move in moves:
+        cut = np.abs(rotation_2d(box.yaw_deg).T @ move)
+        if np.all(cut <= most * np.array(box.size_m[:2])):
+            length_m, width_m = np.array(box.size_m[:2]) - cut
+            size_m = (float(length_m), float(width_m), box.size_m[2])
+            yield replace(_moved(box, move / 2), size_m=size_m)
+
+
+def _ways_out(box: Box, trim: Box) -> list[FloatArray]:
+    """(2,) moves in the world that take a box just off a piece of trim, along each of its sides."""
+    corners = to_own(trim, np.asarray(footprint_polygon(box).exterior.coords)[:4])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    half = np.array(trim.size_m[:2]) / 2 + _GAP_M
+    turn = rotation_2d(trim.yaw_deg)
+    ways = []
+    for axis in (0, 1):
+        for by in (half[axis] - low[axis], -half[axis] - high[axis]):
+            ways.append(float(by) * turn[:, axis])
+    return ways

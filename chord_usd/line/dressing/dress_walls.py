@@ -1,0 +1,135 @@
+"""What every home has on its walls: radiators, switches, sockets."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from chord_usd.base.scene.geometry import to_world
+from chord_usd.base.scene.types import Asset, Item
+from chord_usd.line.dressing.room_frame import RoomFrame
+from chord_usd.line.dressing.stock import nearest_length, within
+from chord_usd.line.dressing.wall_faces import Hole, WallFace
+
+_RADIATOR_BASE_M = 0.12
+_UNDER_SILL_M = 0.1
+_SWITCH_BASE_M = 1.05
+_BESIDE_DOOR_M = 0.17
+"""From a door's hole to the middle of its switch."""
+
+_SOCKET_BASE_M = 0.3
+_BESIDE_PIECE_M = 0.1
+_WORKTOP_SOCKET_M = 1.12
+_HEATED = ("living", "dining", "bedroom", "study", "unknown", "kitchen")
+
+
+def dress_fittings(frame: RoomFrame) -> None:
+    """What every home has on its walls, whatever its style: heat, switches, power."""
+    if frame.house.chance("radiators", frame.taste.radiators) and frame.kind in _HEATED:
+        for face, hole in frame.holes("window"):
+            _radiator(frame, face, hole)
+    _switch(frame)
+    _sockets(frame)
+
+
+def _radiator(frame: RoomFrame, face: WallFace, hole: Hole) -> None:
+    """Under the window, about its middle."""
+    tallest = hole.low_m - _UNDER_SILL_M - _RADIATOR_BASE_M
+    low, high = hole.middle_m, hole.middle_m
+    spans = face.free_spans(frame.taken, _RADIATOR_BASE_M, hole.low_m - 0.05, 0.16)
+    for start, end in spans:
+        if start < hole.middle_m < end:
+            half = min(hole.middle_m - start, end - hole.middle_m) - 0.03
+            low, high = hole.middle_m - half, hole.middle_m + half
+    widest = min(high - low, hole.width_m)
+    offered = within(frame.stock.offered("radiator"), (widest, 0.15, tallest), (0.0, 0.0, 0.3))
+    radiators = frame.stock.family(offered, "radiator")
+    asset = nearest_length(radiators, 0.8 * widest)
+    if asset is None:
+        return
+    box = face.box(hole.middle_m, _RADIATOR_BASE_M, asset.size_m)
+    if frame.walkways.stay_with(box, at_ease=False) and frame.put_where_free(asset, box):
+        frame.walkways.take(box)
+
+
+def _switch(frame: RoomFrame) -> None:
+    """Beside the door one comes in by, at its handle's side; on the other where that is taken."""
+    switches = frame.stock.family(frame.stock.offered("light_switch"), "light_switch")
+    if not switches:
+        return
+    asset = min(switches, key=lambda a: (a.size_m[0], a.id))
+    doors = [*frame.holes("door"), *frame.holes("passage")]
+    lit = 0
+    for face, hole in doors:
+        if hole.opening.id in frame.balcony_doors:
+            continue
+        for middle in _beside(face, hole):
+            box = face.box(middle, _SWITCH_BASE_M, asset.size_m)
+            if frame.put_where_free(asset, box):
+                lit += 1
+                break
+        if lit >= (2 if frame.kind in ("corridor", "living") else 1):
+            return
+
+
+def _beside(face: WallFace, hole: Hole) -> tuple[float, float]:
+    """Beside the handle, then beside the hinge: leaves hang at the left of their door."""
+    right_end = to_world(hole.opening.box, (hole.opening.box.size_m[0] / 2, 0.0))
+    handle_right = float(face.own(np.array([right_end]))[0, 0]) > hole.middle_m
+    left, right = hole.left_m - _BESIDE_DOOR_M, hole.right_m + _BESIDE_DOOR_M
+    return (right, left) if handle_right else (left, right)
+
+
+def _sockets(frame: RoomFrame) -> None:
+    """Beside the pieces that want power."""
+    sockets = frame.stock.family(frame.stock.offered("socket"), "socket")
+    if not sockets:
+        return
+    small = min(sockets, key=lambda a: (a.size_m[0], a.id))
+    wide = max(sockets, key=lambda a: (a.size_m[0], a.id))
+    wanting = frame.of("tv_cabinet", "bedside_table", "bed", "table", "sofa")[:4]
+    count = 0
+    for item in wanting:
+        asset = wide if item.category in ("tv_cabinet", "table") else small
+        count += _socket_beside(frame, item, asset, _SOCKET_BASE_M)
+    for item in frame.of("washbasin")[:1]:
+        _socket_beside(frame, item, small, _WORKTOP_SOCKET_M)
+    if frame.kind == "kitchen":
+        _worktop_sockets(frame, wide)
+    if not count and frame.kind in ("living", "dining", "bedroom", "study", "corridor", "unknown"):
+        _socket_anywhere(frame, small)
+
+
+def _socket_beside(frame: RoomFrame, item: Item, asset: Asset, base_m: float) -> int:
+    """On the wall behind a piece, just beside it."""
+    for face in frame.faces:
+        if face.has_back_of(item.box, 0.3):
+            low, high, _, _ = face.span_of(item.box)
+            reach = _BESIDE_PIECE_M + asset.size_m[0] / 2
+            for middle in (high + reach, low - reach):
+                if frame.put_where_free(asset, face.box(middle, base_m, asset.size_m)):
+                    return 1
+    return 0
+
+
+def _worktop_sockets(frame: RoomFrame, asset: Asset) -> None:
+    """Two over the worktop, at its ends."""
+    units = frame.of("single_door_floor_cabinet", "double_door_floor_cabinet")
+    for item in (units[:1] + units[-1:])[: len(units)]:
+        for face in frame.faces:
+            if face.has_back_of(item.box):
+                low, high, _, _ = face.span_of(item.box)
+                for share in (0.3, 0.7):
+                    middle = low + share * (high - low)
+                    box = frame.against(face, middle, _WORKTOP_SOCKET_M, asset.size_m)
+                    if box and frame.put_where_free(asset, box):
+                        break
+
+
+def _socket_anywhere(frame: RoomFrame, asset: Asset) -> None:
+    for face in sorted(frame.faces, key=lambda one: -one.length_m):
+        spans = face.free_spans(frame.taken, 0.0, 1.0, 0.1)
+        for low, high in spans:
+            if high - low > 0.6:
+                box = face.box(high - 0.25, _SOCKET_BASE_M, asset.size_m)
+                if frame.put_where_free(asset, box):
+                    return

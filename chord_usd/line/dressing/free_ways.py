@@ -1,0 +1,75 @@
+"""Where one walks and stands in a house, and whether a thing on the floor leaves that free."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import shapely
+
+from chord_usd.base.metrics.fronts import standing_places
+from chord_usd.base.metrics.walk import SEAM_M, WALKER_RADIUS_M
+from chord_usd.base.scene.geometry import footprint_polygon, polygons_of
+from chord_usd.base.scene.types import Box, Item
+
+_AROUND_M = 0.8
+"""How far beyond a room one looks."""
+
+_PART_M2 = 0.02
+"""Smaller parts of the walkable floor are nothing to walk on."""
+
+_LOST = 0.12
+"""Share of the walkable floor near it that one thing may take."""
+
+_COMFORT_M = 0.28
+"""Half of a way on which nobody has to turn sideways."""
+
+
+class Walkways:
+    """The free floor about one room."""
+
+    def __init__(
+        self, free: shapely.Geometry, floor: shapely.Polygon, pieces: Iterable[Item] = ()
+    ) -> None:
+        """free: the floor of the house that nothing stands on. pieces: of the room."""
+        self._places = [
+            shapely.union_all(places) for item in pieces if (places := standing_places(item))
+        ]
+        around = floor.buffer(_AROUND_M, join_style="mitre")
+        self._free = free.intersection(around)
+        self._eroded: dict[float, shapely.Geometry] = {}
+
+    def stay_with(self, box: Box, *, at_ease: bool = True) -> bool:
+        """Whether all one could walk to before, and stand before, stays so with a thing here.
+
+        at_ease: also all that one could walk to without turning sideways.
+        """
+        shape = footprint_polygon(box)
+        radii_m = (WALKER_RADIUS_M, _COMFORT_M) if at_ease else (WALKER_RADIUS_M,)
+        return all(self._stays(shape, radius) for radius in radii_m)
+
+    def _stays(self, shape: shapely.Polygon, radius_m: float) -> bool:
+        before = self._walkable(radius_m)
+        reach = shape.buffer(radius_m + SEAM_M, quad_segs=2)
+        if not reach.intersects(before):
+            return True
+        after = before.difference(reach)
+        if after.area < (1.0 - _LOST) * before.area:
+            return False
+        near = [place for place in self._places if place.intersects(reach)]
+        if any(before.intersects(place) and not after.intersects(place) for place in near):
+            return False
+        return _parts(after) <= _parts(before)
+
+    def take(self, box: Box) -> None:
+        """Nobody walks there any more."""
+        self._free = self._free.difference(footprint_polygon(box))
+        self._eroded.clear()
+
+    def _walkable(self, radius_m: float) -> shapely.Geometry:
+        if radius_m not in self._eroded:
+            self._eroded[radius_m] = self._free.buffer(-radius_m - SEAM_M, quad_segs=2)
+        return self._eroded[radius_m]
+
+
+def _parts(area: shapely.Geometry) -> int:
+    return sum(part.area > _PART_M2 for part in polygons_of(area))

@@ -1,0 +1,338 @@
+"""A room that is being dressed: its walls, what takes its space, what it is dressed with so far."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString
+
+from chord_usd.base.errors import AssetError
+from chord_usd.base.metrics.clear_floor import WAY_M, clearance_boxes, is_open_border
+from chord_usd.base.metrics.fronts import FRONT, STRIP_M, USED_SIDES, floor_before
+from chord_usd.base.metrics.walk import WALKER_RADIUS_M
+from chord_usd.base.raster.relief import Relief
+from chord_usd.base.scene.geometry import (
+    footprint,
+    footprint_polygon,
+    in_world,
+    room_polygon,
+    to_world,
+)
+from chord_usd.base.scene.palette import CATEGORIES, Mount
+from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, FloatArray, Item, Opening, Room
+from chord_usd.library.asset_boards import boards_of
+from chord_usd.library.asset_relief import relief_of
+from chord_usd.line.dressing.draws import Draws
+from chord_usd.line.dressing.free_ways import Walkways
+from chord_usd.line.dressing.stock import Stock
+from chord_usd.line.dressing.taken_space import TOUCH_M, Reason, TakenSpace
+from chord_usd.line.dressing.tastes import Taste
+from chord_usd.line.dressing.wall_faces import Hole, WallFace
+
+IN_ROOM_M = 0.002
+"""What reaches farther beyond the floor of its room is not in it."""
+
+_CASING_M = 0.075
+"""Beside and over a door's hole."""
+
+_FRAME_M = 0.05
+"""Beside and round a window's hole, its board included."""
+
+_AT_WALL_M = 0.03
+"""What hangs on a wall has its back no farther from it."""
+
+_PROUD_M = 0.045
+_OPEN_M = 0.3
+"""Nothing stands so near to where a room goes on into another."""
+
+
+@dataclass(eq=False)
+class RoomFrame:
+    """One room in work."""
+
+    room: Room
+    faces: tuple[WallFace, ...]
+    pieces: tuple[Item, ...]
+    """Its furniture, with what stands on it."""
+    taken: TakenSpace
+    walkways: Walkways
+    stock: Stock
+    taste: Taste
+    draws: Draws
+    """Of the room."""
+    house: Draws
+    """Of what agrees through the house."""
+    reliefs: ReliefsOf
+    balcony_doors: frozenset[str] = frozenset()
+    """Ids of openings that lead to balconies."""
+    entrance: tuple[WallFace, Hole] | None = None
+    """The front door of the house, where it is one of this room's."""
+    place_in_house: tuple[int, int] = (0, 1)
+    """Which of how many rooms it is."""
+    placed: list[Item] = field(default_factory=list)
+    """Without ids yet, but for what stays."""
+
+    @cached_property
+    def floor(self) -> shapely.Polygon:
+        """Inner faces of its walls."""
+        return room_polygon(self.room)
+
+    @cached_property
+    def _grown(self) -> shapely.Polygon:
+        grown = self.floor.buffer(IN_ROOM_M, join_style="mitre")
+        shapely.prepare(grown)
+        return grown
+
+    @property
+    def kind(self) -> str:
+        """Of the room."""
+        return self.room.kind
+
+    def of(self, *categories: str) -> list[Item]:
+        """Its furniture of these categories."""
+        return [item for item in self.pieces if item.category in categories]
+
+    def dressed(self, *categories: str) -> list[Item]:
+        """Its dressing of these categories so far."""
+        return [item for item in self.placed if item.category in categories]
+
+    def holes(self, *kinds: str) -> Iterator[tuple[WallFace, Hole]]:
+        """Openings of these kinds, with the wall that they are in."""
+        for face in self.faces:
+            for hole in face.holes:
+                if hole.opening.kind in kinds:
+                    yield face, hole
+
+    def is_own(self, asset: Asset) -> bool:
+        """Whether an asset is this room's rather than another's: no two show the same picture."""
+        index, count = self.place_in_house
+        return int(self.house.share(f"own/{asset.id}") * count) == index
+
+    def is_inside(self, box: Box) -> bool:
+        """Whether a box stands within the room's walls, below its ceiling and above its floor."""
+        top_m = box.top_m
+        if box.center_m[2] < -1e-6 or top_m > ROOM_HEIGHT_M + 1e-6:
+            return False
+        return bool(self._grown.covers(footprint_polygon(box)))
+
+    def fits(
+        self, box: Box, ignoring: Collection[str] = ("rug",), but: Collection[str] = ()
+    ) -> bool:
+        """Whether a box is in the room and free."""
+        return self.is_inside(box) and not self.taken.hits(box, ignoring, but)
+
+    def against(
+        self, face: WallFace, middle_m: float, base_m: float, size_m: tuple[float, float, float]
+    ) -> Box | None:
+        """A box with its back on a wall, or on the splashback that is there; None over its edge."""
+        bare = face.box(middle_m, base_m, size_m)
+        low, high, _, _ = face.span_of(bare)
+        for panel in self.dressed("splashback"):
+            left, right, near_m, face_m = face.span_of(panel.box)
+            covers = left <= low and high <= right and panel.box.center_m[2] <= base_m
+            if near_m < 0.0 or near_m > _AT_WALL_M or min(right, high) <= max(left, low):
+                continue
+            if panel.box.top_m <= base_m or panel.box.center_m[2] >= bare.top_m:
+                continue
+            is_whole = covers and bare.top_m <= panel.box.top_m
+            return face.box(middle_m, base_m, size_m, face_m) if is_whole else None
+        return bare
+
+    def has_wall_behind(self, box: Box, within_m: float = _AT_WALL_M) -> bool:
+        """Whether the whole back of a box is at a wall: walls end where a room has a corner."""
+        back = LineString(footprint(box)[[0, 3]])
+        return bool(self.floor.exterior.buffer(within_m, join_style="mitre").covers(back))
+
+    def put(
+        self,
+        asset: Asset,
+        box: Box,
+        *,
+        rests_on: str | None = None,
+        reason: Reason = "dressing",
+    ) -> Item:
+        """Place an asset, wherever that is: whoever calls has seen that it fits."""
+        item = Item(f"{len(self.placed)}", asset.category, rounded(box), self.room.id,
+                    self.stock.fetch(asset))  # fmt: skip
+        if rests_on is not None:
+            item = item.found(rests_on=rests_on)
+        self.placed.append(item)
+        self.taken.add(item.box, reason, item.id)
+        return item
+
+    def put_where_free(
+        self,
+        asset: Asset,
+        box: Box,
+        *,
+        rests_on: str | None = None,
+        ignoring: Collection[str] = ("rug",),
+        but: Collection[str] = (),
+    ) -> Item | None:
+        """Place an asset if its box is in the room and free."""
+        row = CATEGORIES.get(asset.category)
+        hangs = row is not None and row.mount is Mount.WALL and rests_on is None
+        if not self.fits(box, ignoring, but) or (hangs and not self.has_wall_behind(box)):
+            return None
+        return self.put(asset, box, rests_on=rests_on)
+
+    def hang_group(self, group: Sequence[tuple[Asset, Box]]) -> bool:
+        """Hang all of a group where each is free and has a wall behind it, or none of it."""
+        if not all(self.fits(box) and self.has_wall_behind(box) for _, box in group):
+            return False
+        for asset, box in group:
+            self.put(asset, box)
+        return True
+
+    def boards(self, item: Item) -> FloatArray:
+        """Open boards of a piece (assets.asset_boards); none of one without a mesh."""
+        return self.reliefs.boards(item)
+
+    def relief(self, item: Item) -> Relief:
+        """How high a piece is, seen from above; a box for one without a mesh."""
+        return self.reliefs(item)
+
+
+class ReliefsOf:
+    """What is measured on the meshes of placed pieces; those without a mesh are boxes."""
+
+    def __call__(self, item: Item) -> Relief:
+        """How high it is, at the size of the piece."""
+        if item.asset is not None and item.asset.usd_path.is_file():
+            with contextlib.suppress(AssetError):
+                return relief_of(item.asset).scaled(item.box.size_m)
+        return Relief(np.full((8, 8), item.box.size_m[2]), item.box.size_m)
+
+    def boards(self, item: Item) -> FloatArray:
+        """(N, 6) open boards in the frame and at the size of the asset."""
+        if item.asset is not None and item.asset.usd_path.is_file():
+            with contextlib.suppress(AssetError):
+                return boards_of(item.asset)
+        length, depth, height = item.box.size_m
+        top = [-length / 2, -depth / 2, height, length / 2, depth / 2, height + 0.4]
+        return np.array([top] if item.category == "wall_shelf" else []).reshape(-1, 6)
+
+
+def rounded(box: Box) -> Box:
+    """To a hundredth of a millimetre, so that files hold it whole."""
+    return Box(
+        tuple(round(float(value), 5) for value in box.center_m),  # type: ignore[arg-type]
+        tuple(round(float(value), 5) for value in box.size_m),  # type: ignore[arg-type]
+        round(float(box.yaw_deg), 4),
+    )
+
+
+RISING = frozenset(
+    ("tv_cabinet", "sink_cabinet", "washbasin", "bathtub", "cooker_cabinet", "washing_set")
+)
+"""Categories whose meshes may rise above their nominal height: a television, a tap."""
+
+_RISES_M = 0.02
+
+_FROM_ANY_SIDE = frozenset(("chair", "dining_table", "coffee_table", "side_coffee_table"))
+"""Pieces that are used from whichever side is free."""
+
+_KNEE_M = 0.3
+"""What begins higher keeps nobody from standing before a front."""
+
+
+def take_pieces(taken: TakenSpace, pieces: Iterable[Item], reliefs: ReliefsOf) -> None:
+    """Take the space of furniture, of what rises from it and of what stands on it."""
+    for item in pieces:
+        row = CATEGORIES.get(item.category)
+        is_rug = row is not None and row.mount is Mount.UNDERFOOT
+        taken.add(item.box, "rug" if is_rug else "piece", item.id)
+        if item.category in RISING:
+            risen = _risen(item, reliefs(item))
+            if risen is not None:
+                taken.add(risen, "piece", item.id)
+        for child in item.children:
+            taken.add(in_world(child.box, item.box), "piece", child.id)
+
+
+def take_fronts(taken: TakenSpace, pieces: Iterable[Item]) -> None:
+    """Take the floor before the fronts of furniture, where people stand to use it.
+
+    It is as deep as a walker is wide, or the strip that is measured where nobody has to stand.
+    """
+    for item in pieces:
+        row = CATEGORIES.get(item.category)
+        if row is None or row.mount is not Mount.FLOOR or item.category in _FROM_ANY_SIDE:
+            continue
+        depth_m = 2 * WALKER_RADIUS_M if item.category in USED_SIDES else STRIP_M[1]
+        floor = floor_before(item.box, FRONT, 0.0, depth_m)
+        low = replace(floor, size_m=(*floor.size_m[:2], _KNEE_M))
+        taken.add(low, "front", item.id)
+
+
+def _risen(item: Item, relief: Relief) -> Box | None:
+    """The box of what rises above a piece's nominal height."""
+    high = relief.heights_m > item.box.size_m[2] + _RISES_M
+    if not high.any():
+        return None
+    rows, columns = np.flatnonzero(high.any(axis=1)), np.flatnonzero(high.any(axis=0))
+    cell_x = item.box.size_m[0] / high.shape[1]
+    cell_y = item.box.size_m[1] / high.shape[0]
+    x0, x1 = columns[0] * cell_x, (columns[-1] + 1) * cell_x
+    y0, y1 = rows[0] * cell_y, (rows[-1] + 1) * cell_y
+    middle = ((x0 + x1 - item.box.size_m[0]) / 2, (item.box.size_m[1] - y0 - y1) / 2)
+    x, y = to_world(item.box, middle)
+    base_m = item.box.top_m
+    rise_m = float(relief.heights_m.max()) - item.box.size_m[2]
+    return Box((float(x), float(y), base_m), (x1 - x0, y1 - y0, rise_m), item.box.yaw_deg)
+
+
+def take_walls(taken: TakenSpace, faces: Iterable[WallFace]) -> None:
+    """Take the holes in walls, the casings round them, and sides without a wall."""
+    for face in faces:
+        for low, high in face.gaps_m:
+            size_m = (high - low, _OPEN_M + 0.1, ROOM_HEIGHT_M)
+            taken.add(face.box((low + high) / 2, 0.0, size_m, -0.1), "open")
+        for hole in face.holes:
+            beside = _CASING_M if hole.opening.kind == "door" else _FRAME_M
+            low = 0.0 if hole.low_m < 0.1 else hole.low_m - beside
+            size_m = (hole.width_m + 2 * beside, 0.1 + _PROUD_M, hole.high_m + beside - low)
+            taken.add(face.box(hole.middle_m, low, size_m, -0.1), "pane")
+
+
+def take_clearances(taken: TakenSpace, openings: Iterable[Opening]) -> None:
+    """Take what openings keep clear, on both sides, and the breadth of a touch beside it.
+
+    Across an open border there is room for a way beside what stands there, unless it is short.
+    """
+    for opening in openings:
+        if is_open_border(opening) and opening.box.size_m[0] > 2 * WAY_M:
+            continue
+        for box in clearance_boxes(opening):
+            length, depth, height = box.size_m
+            kept = replace(box, size_m=(length + 2 * TOUCH_M, depth + 2 * TOUCH_M, height))
+            taken.add(kept, "pane" if opening.kind == "window" else "clear")
+
+
+def named(items: Iterable[Item], room_id: str, taken_ids: Collection[str]) -> Iterator[Item]:
+    """The items with ids room/dressing/category_n, and what they rest on by its new id.
+
+    taken_ids: of what stays as it is.
+    """
+    counts: Counter[str] = Counter()
+    ids: dict[str, str] = {}
+    for item in items:
+        if item.id in taken_ids:
+            yield item
+            continue
+        while True:
+            own = f"{room_id}/dressing/{item.category}_{counts[item.category]}"
+            counts[item.category] += 1
+            if own not in taken_ids:
+                break
+        ids[item.id] = own
+        rests_on = item.facts.rests_on
+        if rests_on is not None and rests_on in ids:
+            item = item.found(rests_on=ids[rests_on])
+        yield replace(item, id=own)

@@ -1,0 +1,114 @@
+"""What there is to dress rooms with: the forms of the home's style, one family of each kind."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.types import Asset
+from chord_usd.library.database import AssetDatabase
+from chord_usd.line.dressing.draws import Draws
+
+STRETCH = 0.15
+"""Share by which a textile, a rail, a blind is made longer or shorter to fit."""
+
+_SIZE = re.compile(r"(_\d+(x\d+)*)+$")
+
+_OWN_FORM = 3.0
+"""How many times likelier a form of the style is than one that suits all."""
+
+
+class Stock:
+    """The assets of a database that suit a style."""
+
+    def __init__(self, database: AssetDatabase, style: str, house: Draws) -> None:
+        self._database, self._style, self._house = database, style, house
+        self._offered: dict[str, tuple[Asset, ...]] = {}
+
+    def offered(self, category: str, word: str = "") -> tuple[Asset, ...]:
+        """Assets of a category in forms that suit the style, or in any where none does.
+
+        word: one of the words of their ids, where any has it. Assets of the user's own go before
+        shipped ones. None for a category that the palette does not know.
+        """
+        if category not in self._offered:
+            self._offered[category] = self._suiting(category)
+        found = self._offered[category]
+        if not word:
+            return found
+        return tuple(asset for asset in found if word in asset.id.split("_"))
+
+    def every(self, category: str) -> tuple[Asset, ...]:
+        """Assets of a category whatever their style."""
+        return self._database.of_category(category) if category in CATEGORIES else ()
+
+    def _suiting(self, category: str) -> tuple[Asset, ...]:
+        if category not in CATEGORIES:
+            return ()
+        all_of_it = self._database.of_category(category)
+        own = tuple(asset for asset in all_of_it if asset.id in self._database.own)
+        candidates = own or all_of_it
+        suited = tuple(a for a in candidates if not a.styles or self._style in a.styles)
+        return suited or candidates
+
+    def family(self, assets: Sequence[Asset], topic: str) -> tuple[Asset, ...]:
+        """Those of the one family that the house has chosen among them: they differ in size."""
+        if not assets:
+            return ()
+        families: dict[str, list[Asset]] = {}
+        for asset in assets:
+            families.setdefault(family_of(asset), []).append(asset)
+
+        def rank(name: str) -> tuple[bool, float]:
+            special = any(self._style in asset.styles for asset in families[name])
+            return not special, self._house.share(f"{topic}/{name}")
+
+        return tuple(families[min(families, key=rank)])
+
+    def some(self, assets: Sequence[Asset], rng: np.random.Generator, count: int) -> list[Asset]:
+        """Up to so many different ones, those of the style's own form likelier first."""
+        if not assets:
+            return []
+        own = np.array([_OWN_FORM if self._style in asset.styles else 1.0 for asset in assets])
+        count = min(count, len(assets))
+        chosen = rng.choice(len(assets), count, replace=False, p=own / own.sum())
+        return [assets[int(index)] for index in chosen]
+
+    def fetch(self, asset: Asset) -> Asset:
+        """The asset, on disk."""
+        self._database.prepare(asset)
+        return asset
+
+
+def family_of(asset: Asset) -> str:
+    """The asset's id without its sizes."""
+    return _SIZE.sub("", asset.id)
+
+
+def within(
+    assets: Sequence[Asset],
+    most_m: tuple[float, float, float],
+    least_m: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> list[Asset]:
+    """Those whose length, width and height lie between these."""
+    return [
+        asset
+        for asset in assets
+        if all(
+            low <= side <= high
+            for low, side, high in zip(least_m, asset.size_m, most_m, strict=True)
+        )
+    ]
+
+
+def nearest_length(assets: Sequence[Asset], length_m: float) -> Asset | None:
+    """The one whose length is nearest; ties go to the lower id."""
+    return min(assets, key=lambda a: (round(abs(a.size_m[0] - length_m), 6), a.id), default=None)
+
+
+def stretched(side_m: float, wanted_m: float, share: float = STRETCH) -> float:
+    """The side as near to what is wanted as stretching by this share brings it."""
+    return float(np.clip(wanted_m, side_m * (1.0 - share), side_m * (1.0 + share)))

@@ -1,0 +1,166 @@
+"""The walls of a room as one sees them from within, and where its openings are in them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString
+
+from chord_usd.base.scene.geometry import Floors, footprint, gaps, room_sides
+from chord_usd.base.scene.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Room
+from chord_usd.line.dressing.taken_space import TakenSpace
+
+BEHIND_M = 0.001
+"""Between a wall and the back of what hangs on it."""
+
+_LEAST_SIDE_M = 0.05
+_TOUCHING_M = 0.02
+"""Between rooms that are no farther apart there is no wall."""
+
+
+@dataclass(frozen=True)
+class Hole:
+    """An opening in a wall, along the wall and upwards."""
+
+    opening: Opening
+    left_m: float
+    right_m: float
+    low_m: float
+    high_m: float
+
+    @property
+    def middle_m(self) -> float:
+        """Along the wall."""
+        return (self.left_m + self.right_m) / 2
+
+    @property
+    def width_m(self) -> float:
+        """Along the wall."""
+        return self.right_m - self.left_m
+
+
+@dataclass(frozen=True, eq=False)
+class WallFace:
+    """One side of a room, seen from within: u runs to the right, v into the room."""
+
+    left_m: FloatArray
+    """(2,) its left end."""
+    along: FloatArray
+    """(2,) unit vector to the right."""
+    inward: FloatArray
+    """(2,) unit vector into the room."""
+    length_m: float
+    yaw_deg: float
+    """Of what has its back on it."""
+    is_outer: bool
+    """Whether no room lies behind any part of it."""
+    gaps_m: tuple[tuple[float, float], ...] = ()
+    """From where to where another room touches, with no wall between."""
+    holes: tuple[Hole, ...] = ()
+
+    def box(
+        self,
+        middle_m: float,
+        base_m: float,
+        size_m: tuple[float, float, float],
+        v_m: float = BEHIND_M,
+    ) -> Box:
+        """A box with its back on the wall, its middle so far along; v_m: from the wall."""
+        x, y = self.left_m + self.along * middle_m + self.inward * (v_m + size_m[1] / 2)
+        return Box((float(x), float(y), base_m), size_m, self.yaw_deg)
+
+    def own(self, points_m: FloatArray) -> FloatArray:
+        """(..., 2) points of the world as u and v."""
+        return (points_m - self.left_m) @ np.stack([self.along, self.inward], axis=1)
+
+    def span_of(self, box: Box) -> tuple[float, float, float, float]:
+        """Lowest and highest u, lowest and highest v of a box."""
+        own = self.own(footprint(box))
+        (u0, v0), (u1, v1) = own.min(axis=0), own.max(axis=0)
+        return float(u0), float(u1), float(v0), float(v1)
+
+    def has_back_of(self, box: Box, within_m: float = 0.12) -> bool:
+        """Whether a piece stands with its back to this wall, no farther off than within_m."""
+        turned = abs((box.yaw_deg - self.yaw_deg + 180.0) % 360.0 - 180.0)
+        u0, u1, v0, _ = self.span_of(box)
+        middle = (u0 + u1) / 2
+        return turned < 10.0 and -0.1 <= v0 <= within_m and 0.0 <= middle <= self.length_m
+
+    def free_spans(
+        self,
+        taken: TakenSpace,
+        base_m: float,
+        top_m: float,
+        depth_m: float,
+        ignoring: Collection[str] = ("rug",),
+        from_v_m: float = 0.0,
+    ) -> list[tuple[float, float]]:
+        """Stretches (from, to) along the wall free between two heights, this deep from it."""
+        corners, bounds = taken.corners_m, taken.bounds_m
+        meets = (bounds[:, 2] < top_m - BEHIND_M) & (bounds[:, 5] > base_m + BEHIND_M)
+        kept = [i for i in np.flatnonzero(meets) if taken.reasons[i] not in ignoring]
+        own = self.own(corners[kept])
+        low, high = own.min(axis=1), own.max(axis=1)
+        near = (low[:, 1] < from_v_m + depth_m - BEHIND_M) & (high[:, 1] > from_v_m + BEHIND_M)
+        blocked = zip(low[near, 0].tolist(), high[near, 0].tolist(), strict=True)
+        return list(gaps(blocked, self.length_m))
+
+
+def faces_of(room: Room, openings: Sequence[Opening], floors: Floors) -> tuple[WallFace, ...]:
+    """The walls of a room, counter-clockwise as its sides are; slivers are left out.
+
+    floors: those of all rooms.
+    """
+    own = floors.polygons[floors.index_of[room.id]]
+    beside = [
+        floors.polygons[index]
+        for index in floors.near(own.buffer(2 * WALL_THICKNESS_M))
+        if floors.rooms[index].id != room.id
+    ]
+    return tuple(
+        _face(start, end, beside, openings)
+        for start, end in room_sides(room)
+        if math.dist(start, end) > _LEAST_SIDE_M
+    )
+
+
+def _face(
+    start: FloatArray,
+    end: FloatArray,
+    beside: Sequence[shapely.Polygon],
+    openings: Sequence[Opening],
+) -> WallFace:
+    length = math.dist(start, end)
+    # Seen from within, a side that runs counter-clockwise runs to the left.
+    along = (start - end) / length
+    inward = np.array([along[1], -along[0]])
+    yaw_deg = round(math.degrees(math.atan2(along[1], along[0])), 6)
+    line = LineString([end, start])
+    behind = line.buffer(1.5 * WALL_THICKNESS_M, cap_style="flat")
+    gaps = []
+    for other in beside:
+        for part in shapely.get_parts(line.intersection(other.buffer(_TOUCHING_M))):
+            if part.length > _LEAST_SIDE_M:
+                u = (shapely.get_coordinates(part) - end) @ along
+                gaps.append((float(u.min()), float(u.max())))
+    is_outer = not any(shapely.area(shapely.intersection(behind, other)) > 0.01 for other in beside)
+    face = WallFace(end, along, inward, length, yaw_deg, is_outer, tuple(gaps))
+    holes = tuple(hole for one in openings if (hole := _hole(face, one)) is not None)
+    return WallFace(end, along, inward, length, yaw_deg, is_outer, tuple(gaps), holes)
+
+
+def _hole(face: WallFace, opening: Opening) -> Hole | None:
+    """Where an opening is in a wall; None where it is in another."""
+    u0, u1, v0, v1 = face.span_of(opening.box)
+    turned = (opening.box.yaw_deg - face.yaw_deg) % 180.0
+    is_along = min(turned, 180.0 - turned) < 10.0
+    depth_m = max(opening.box.size_m[1], WALL_THICKNESS_M)
+    at_wall = -depth_m - 0.05 < (v0 + v1) / 2 < 0.02
+    if not is_along or not at_wall or u1 < 0.05 or u0 > face.length_m - 0.05:
+        return None
+    low = max(opening.box.center_m[2], 0.0)
+    return Hole(opening, u0, u1, low, low + opening.box.size_m[2])

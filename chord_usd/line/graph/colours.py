@@ -1,0 +1,303 @@
+"""Layout raster -> what every pixel shows: structure, floor shade, item category, front mark.
+
+An item's colour depends on the floor it is painted over, so the shades are read first: one room
+region (pixels enclosed by walls, doors and windows) has one shade, an open-plan region several.
+Rasters whose colours are not exactly those of the palette (JPEG, noise) are smoothed within their
+flat areas before they are read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from chord_usd.base.errors import SceneError
+from chord_usd.base.scene.palette import (
+    HOUSE_CATEGORIES,
+    ROOM_SHADES,
+    Mount,
+)
+from chord_usd.base.scene.types import BoolArray, ByteArray
+from chord_usd.line.graph.calibration import (
+    ITEM_RGB,
+    STRUCTURE_RGB,
+    calibrated,
+    is_exact,
+    packed,
+    unpacked,
+)
+
+LabelArray = npt.NDArray[np.int16]
+
+CLEAR = -1
+"""Structure label of pixels that are neither wall, door nor window."""
+
+NO_ITEM = -1
+"""Item label of bare floor, of structure and of everything outside the house."""
+
+SHADE_KINDS = tuple(ROOM_SHADES)
+"""Room kind of each shade label."""
+
+_SHADE_LEVELS = np.array([rgb[0] for rgb in ROOM_SHADES.values()], dtype=np.float32)
+_NEAREST_SHADE = (
+    np.abs(np.arange(3 * 255 + 1)[:, None] / 3 - _SHADE_LEVELS).argmin(axis=1).astype(np.int16)
+)
+"""Shade whose grey is nearest, by the sum of the channels."""
+_DARK = 64
+"""Every structure colour has a channel below, its blends with black too; floors and items on them
+have none below 84."""
+_GREY_REACH = 13
+"""Greatest spread of the channels of a floor pixel under noise of 8 levels, smoothed."""
+_LEAST_SHADE_SHARE, _LEAST_SHADE_PX, _SURE_SHADE_PX = 0.03, 4, 150
+"""With noise, a region has a shade if this share of its floor shows it, or so many pixels."""
+_MIXED_COST = 30.0
+"""Squared levels from the palette above which a smoothed pixel is taken for a mixture."""
+_FAR_SHADE_COST, _FAR_SHADE_COST_CLEAN = 20.0, 0.5
+"""Squared levels that speak against a shade other than that of the nearest bare floor."""
+
+
+@dataclass(frozen=True, eq=False)
+class LayoutPixels:
+    """What each pixel of a layout raster shows. All arrays are (H, W)."""
+
+    structure: LabelArray
+    """detector_class of a PLAN category (0 wall, 1 door, 2 window), or CLEAR."""
+    shade: LabelArray
+    """Index into SHADE_KINDS of the floor here, under items too; 0 (white) elsewhere."""
+    item: LabelArray
+    """detector_class of a HOUSE category, or NO_ITEM."""
+    front: BoolArray
+    """Whether the pixel belongs to a front mark."""
+    clean: bool = True
+    """Whether the colours are the palette's, or shifted alike; else others painted it."""
+
+    def window(self, part: tuple[slice, slice]) -> LayoutPixels:
+        """The same of a part of the canvas."""
+        return LayoutPixels(
+            self.structure[part], self.shade[part], self.item[part], self.front[part], self.clean
+        )
+
+
+def read_pixels(rgb: ByteArray) -> LayoutPixels:
+    """Decode a layout raster, (H, W, 3) uint8; tolerates noise of about 8 levels.
+
+    Raises SceneError when the array is not an RGB raster.
+    """
+    if rgb.ndim != 3 or rgb.shape[2] != 3 or rgb.dtype != np.uint8:
+        raise SceneError(
+            f"layout raster of shape {rgb.shape} and type {rgb.dtype}",
+            expected="(height, width, 3) uint8",
+        )
+    exact = is_exact(rgb)
+    known = rgb if exact else calibrated(rgb)
+    clean = known is not None
+    smooth = (
+        np.asarray(cv2.bilateralFilter(rgb, 5, 25.0, 2.0), np.uint8) if known is None else known
+    )
+    structure = _read_structure(smooth)
+    _, regions = cv2.connectedComponents((structure == CLEAR).astype(np.uint8), connectivity=4)
+    shade, allowed = _read_shades(smooth, regions, 0.0 if clean else _LEAST_SHADE_SHARE)
+    far_cost = _FAR_SHADE_COST_CLEAN if exact else _FAR_SHADE_COST
+    item, front, shade = _read_items(smooth, regions, shade, allowed, far_cost)
+    if not clean:
+        item, front = _without_rings(smooth, shade, item, front, structure)
+        item, front = _settle(item, front, structure)
+    return LayoutPixels(structure, shade, item, front, clean)
+
+
+_FLOOR = ITEM_RGB.shape[1] - 1
+_PANEL_CODES = {
+    2 * row.detector_class + marked
+    for row in HOUSE_CATEGORIES
+    if row.mount is Mount.WALL
+    for marked in (0, 1)
+}
+
+
+def _smoothed(rgb: ByteArray) -> ByteArray:
+    """Within its flat areas."""
+    return np.asarray(cv2.bilateralFilter(rgb, 5, 25.0, 2.0), np.uint8)
+
+
+def _extremes(rgb: ByteArray) -> tuple[ByteArray, ByteArray]:
+    """(H, W) least and greatest of the channels; numpy is slow along short axes."""
+    red, green, blue = np.moveaxis(rgb, -1, 0)
+    least = np.minimum(np.minimum(red, green), blue)
+    return least, np.maximum(np.maximum(red, green), blue)
+
+
+def _read_structure(rgb: ByteArray) -> LabelArray:
+    least, _ = _extremes(rgb)
+    structure = np.full(least.shape, CLEAR, dtype=np.int16)
+    dark = least < _DARK
+    spread = np.abs(rgb[dark][:, None, :].astype(np.int16) - STRUCTURE_RGB).max(axis=-1)
+    structure[dark] = spread.argmin(axis=-1)
+    return structure
+
+
+def _read_shades(
+    rgb: ByteArray, regions: npt.NDArray[np.int32], least_share: float
+) -> tuple[LabelArray, dict[int, list[int]]]:
+    """Shade of the nearest bare floor in each pixel's region, and the shades each region has."""
+    total = rgb[..., 0].astype(np.int16) + rgb[..., 1] + rgb[..., 2]
+    least, most = _extremes(rgb)
+    bare = (most - least <= _GREY_REACH) & (regions > 0)
+    bare &= total >= 3 * (_SHADE_LEVELS.min() - 8)
+    nearest = _NEAREST_SHADE[total]
+    shade = np.zeros(regions.shape, dtype=np.int16)
+    allowed: dict[int, list[int]] = {}
+    flat = bare & (cv2.boxFilter(bare.astype(np.float32), -1, (3, 3)) > 0.6)
+    for region, window in _windows(regions):
+        inside = regions[window] == region
+        votes, seen = nearest[window], bare[window] & inside
+        shades = _shades_of(votes[seen & flat[window]], votes[seen], least_share)
+        allowed[region] = shades
+        floor = seen & np.isin(votes, shades)
+        if len(shades) == 1:
+            shade[window][inside] = shades[0]
+        elif floor.any():
+            shade[window][inside] = _spread_nearest(votes, floor)[inside]
+    return shade, allowed
+
+
+def _windows(regions: npt.NDArray[np.int32]) -> Iterator[tuple[int, tuple[slice, slice]]]:
+    """Each region's number, from 1, and the window of the canvas it lies in."""
+    for index, window in enumerate(ndimage.find_objects(regions)):
+        if window is not None:
+            yield index + 1, window
+
+
+def _shades_of(flat: LabelArray, bare: LabelArray, least_share: float) -> list[int]:
+    """Shades that cover a real part of a region; all of them where no floor is left to see."""
+    for votes in (flat, bare):
+        counts = np.bincount(votes, minlength=len(SHADE_KINDS))
+        large = np.flatnonzero(
+            counts >= max(_LEAST_SHADE_PX, min(least_share * counts.sum(), _SURE_SHADE_PX))
+        )
+        if len(large):
+            return [int(index) for index in large]
+    if len(bare):
+        return [int(np.bincount(bare).argmax())]
+    return list(range(len(SHADE_KINDS)))
+
+
+def _spread_nearest(labels: LabelArray, known: BoolArray) -> LabelArray:
+    """labels where known; elsewhere the label of the nearest known pixel."""
+    _, index = cv2.distanceTransformWithLabels(
+        (~known).astype(np.uint8), cv2.DIST_L2, 3, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    of_index = np.zeros(int(index.max()) + 1, dtype=np.int16)
+    of_index[index[known]] = labels[known]
+    return of_index[index]
+
+
+def _read_items(
+    rgb: ByteArray,
+    regions: npt.NDArray[np.int32],
+    shade: LabelArray,
+    allowed: dict[int, list[int]],
+    far_cost: float,
+) -> tuple[LabelArray, BoolArray, LabelArray]:
+    """Item and mark of each pixel, and the shade it was read with."""
+    item = np.full(regions.shape, NO_ITEM, dtype=np.int16)
+    front = np.zeros(regions.shape, dtype=bool)
+    shade = shade.copy()
+    floor_level = _SHADE_LEVELS[shade]
+    least, most = _extremes(rgb)
+    off_floor = (most > floor_level + 2) | (least < floor_level - 2)
+    rows, columns = np.nonzero(off_floor & (regions > 0))
+    of_pixel = regions[rows, columns]
+    for region in np.unique(of_pixel):
+        chosen = of_pixel == region
+        at = (rows[chosen], columns[chosen])
+        code, under = _nearest_colours(rgb[at], shade[at], allowed[int(region)], far_cost)
+        item[at] = np.where(code == _FLOOR, NO_ITEM, code // 2)
+        front[at] = (code != _FLOOR) & (code % 2 == 1)
+        shade[at] = under
+    return item, front, shade
+
+
+def _nearest_colours(
+    rgb: npt.NDArray[np.uint8], prior: LabelArray, shades: list[int], far_cost: float
+) -> tuple[npt.NDArray[np.int64], LabelArray]:
+    """Best (row of the item table, shade) for each of (N, 3) colours."""
+    colours, back = np.unique(packed(rgb), return_inverse=True)
+    distinct = unpacked(colours)
+    cost = np.empty((len(shades), len(rgb)), dtype=np.float32)
+    code = np.empty((len(shades), len(rgb)), dtype=np.int64)
+    for position, shade in enumerate(shades):
+        gap = ((distinct[:, None, :].astype(np.float32) - ITEM_RGB[shade]) ** 2).sum(axis=-1)
+        best = gap.argmin(axis=1)
+        code[position] = best[back]
+        cost[position] = gap[np.arange(len(best)), best][back]
+        cost[position] += np.where(prior == shade, 0.0, far_cost)
+    winner = cost.argmin(axis=0)
+    each = np.arange(len(rgb))
+    return code[winner, each], np.array(shades, dtype=np.int16)[winner]
+
+
+def _without_rings(
+    rgb: ByteArray, shade: LabelArray, item: LabelArray, front: BoolArray, structure: LabelArray
+) -> tuple[LabelArray, BoolArray]:
+    """Give pixels of mixed colour to one of the flat areas beside them.
+
+    Where a file blends two colours along an edge, the mixture may look like a third category. A
+    pixel whose colour fits badly is therefore read again, with a choice only between what has
+    flat areas within two pixels of it.
+    """
+    code = np.where(item == NO_ITEM, _FLOOR, 2 * item + front)
+    clear = structure == CLEAR
+    levels = rgb.astype(np.float32)
+    least = np.full(code.shape, np.inf, dtype=np.float32)
+    nearest = code.copy()
+    by_wall = cv2.dilate((~clear).astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    for label in np.unique(code):
+        core = _core((code == label) & clear, by_wall if label in _PANEL_CODES else None)
+        reach = cv2.dilate(core, np.ones((7, 7), np.uint8)) > 0
+        cost = ((levels[reach] - ITEM_RGB[shade[reach], label]) ** 2).sum(axis=-1)
+        better = cost < least[reach]
+        least[reach] = np.where(better, cost, least[reach])
+        nearest[reach] = np.where(better, label, nearest[reach])
+    own = ((levels - ITEM_RGB[shade, code]) ** 2).sum(axis=-1)
+    code = np.where(clear & (own > _MIXED_COST) & np.isfinite(least), nearest, code)
+    found = np.where(code == _FLOOR, NO_ITEM, code // 2).astype(np.int16)
+    return found, (code != _FLOOR) & (code % 2 == 1)
+
+
+def _core(member: BoolArray, by_wall: BoolArray | None) -> ByteArray:
+    """Where an area is flat; with by_wall, also lines there, which are panels and not mixtures."""
+    whole = member.astype(np.uint8)
+    core = cv2.erode(whole, np.ones((3, 3), np.uint8)) > 0
+    if by_wall is not None:
+        for line in (np.ones((1, 5), np.uint8), np.ones((5, 1), np.uint8)):
+            core = core | ((cv2.erode(whole, line) > 0) & by_wall)
+    return np.asarray(core.astype(np.uint8))
+
+
+def _settle(
+    item: LabelArray, front: BoolArray, structure: LabelArray
+) -> tuple[LabelArray, BoolArray]:
+    """Let lone pixels follow the majority around them: rings and specks that noise leaves."""
+    code = np.where(item == NO_ITEM, 0, 1 + 2 * item + front).astype(np.int16)
+    clear = structure == CLEAR
+    for _ in range(2):
+        present = np.unique(code)
+        votes = np.stack(
+            [
+                cv2.boxFilter(
+                    ((code == label) & clear).astype(np.float32), -1, (3, 3), normalize=False
+                )
+                for label in present
+            ]
+        )
+        own = np.take_along_axis(votes, np.searchsorted(present, code)[None], axis=0)[0]
+        lone = clear & (own <= 2) & (votes.max(axis=0) >= 5)
+        code = np.where(lone, present[votes.argmax(axis=0)], code)
+    return np.where(code == 0, NO_ITEM, (code - 1) // 2).astype(np.int16), (code > 0) & (
+        (code - 1) % 2 == 1
+    )

@@ -1,0 +1,233 @@
+"""Detections -> items: which room, what size and height, which mesh, which name."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.base.scene.oriented_rect import Footprint
+from chord_usd.base.scene.palette import Mount, category
+from chord_usd.base.scene.types import (
+    Asset,
+    Box,
+    Detection,
+    Facts,
+    Item,
+    PixelFrame,
+    Room,
+    SceneGraph,
+)
+from chord_usd.base.scene.units import m_from_px, wrap_deg
+from chord_usd.line.graph.fit import fitted_box, is_built_in
+from chord_usd.line.graph.flush import (
+    ALIGN_BUILT_IN_DEG,
+    ALIGN_DEG,
+    align,
+    flush_with_walls,
+    kept_deep,
+    parted,
+)
+
+if TYPE_CHECKING:
+    from chord_usd.line.graph.snap import FoundItem
+
+LEAST_INSIDE = 0.5
+"""An item with less of its footprint in its room (grown by a pixel) is in no room, and dropped."""
+
+FLUSH_PX = 0.55
+"""Edges this close to a wall are on it: half a pixel of drawing, and some for rounding."""
+
+
+_DESK = "table"
+"""What a single person sits at, in bedrooms and studies."""
+_AT_DESK_M = 0.4
+
+
+class Database(Protocol):
+    """Where meshes come from; chord_usd.library.database has it."""
+
+    def nearest(
+        self,
+        name: str,
+        size_m: tuple[float, float, float],
+        most_height_m: float | None = None,
+        /,
+        *,
+        at_desk: bool = True,
+    ) -> Asset:
+        """The mesh of this category whose size differs least, of those that are low enough.
+        at_desk: elsewhere no chair swivels."""
+
+
+def place_items(
+    found: Sequence[FoundItem],
+    rooms: Sequence[Room],
+    frame: PixelFrame,
+) -> tuple[Item, ...]:
+    """Items in the rooms they lie in, named per room; edges that are half a pixel from a wall or a
+    neighbour's edge are on it.
+
+    An item goes to the room that covers most of it. What lies in no room is dropped. Ids are
+    room/category_n, counted in a fixed order: rooms as given, then category, then position.
+    """
+    floors = _Floors(rooms, frame.m_per_px)
+    by_room: dict[int, list[tuple[FoundItem, Box]]] = defaultdict(list)
+    for one in found:
+        box = box_of(one.detection, frame)
+        index = floors.holding(footprint_polygon(box))
+        if index is not None:
+            by_room[index].append((one, box))
+    items: list[Item] = []
+    for index, room in enumerate(rooms):
+        items += _items_of(room, by_room[index], FLUSH_PX * frame.m_per_px)
+    return tuple(items)
+
+
+def box_of(detection: Detection, frame: PixelFrame) -> Box:
+    """The box of a detection: its footprint, with the usual height and mount of its category."""
+    back_left, front_left, front_right, back_right = m_from_px(detection.corners_px, frame)
+    row = category(detection.category)
+    x, y = (back_left + front_left + front_right + back_right) / 4
+    size_m = (
+        float(np.hypot(*(front_right - front_left))),
+        float(np.hypot(*(back_left - front_left))),
+        sum(row.height_m) / 2,
+    )
+    center_m = (float(x), float(y), row.mount_height_m)
+    return Box(center_m, size_m, _yaw_deg(front_right - front_left))
+
+
+def items_seen(detections: Iterable[Detection], frame: PixelFrame) -> tuple[Item, ...]:
+    """Detections as items just where they were seen, in no room and without meshes."""
+    return tuple(
+        Item(f"{one.category}_{index}", one.category, box_of(one, frame))
+        for index, one in enumerate(detections)
+    )
+
+
+def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = ()) -> SceneGraph:
+    """Give every item without a mesh the nearest one: same category, least difference in size.
+
+    Tabletop items and dressing too. Its box becomes what the mesh fills (fit.fitted_box); how far
+    the mesh missed the box asked for is one of its facts. Raises AssetError when the database has
+    nothing of a category. but: ids of items that stay as they are.
+    """
+    desks = shapely.union_all(
+        [footprint_polygon(i.box) for i in graph.items if i.category == _DESK]
+    )
+    items, dressing = (
+        tuple(item if item.id in but else _matched(item, database, desks) for item in all_)
+        for all_ in (graph.items, graph.dressing)
+    )
+    return replace(graph, items=items, dressing=dressing)
+
+
+def _matched(item: Item, database: Database, desks: BaseGeometry) -> Item:
+    if item.asset:
+        children = tuple(_matched(child, database, desks) for child in item.children)
+        return replace(item, children=children)
+    facts = item.facts
+    near = footprint_polygon(item.box).distance(desks) if item.category == "chair" else 0.0
+    asset = database.nearest(
+        item.category, item.box.size_m, facts.below_sill_m, at_desk=near < _AT_DESK_M
+    )
+    missed_m = float(np.hypot(*np.subtract(asset.size_m[:2], item.box.size_m[:2])))
+    # Seen from above nothing tells a height.
+    box = fitted_box(item.box, asset, category(item.category), is_guess=bool(facts.source_px))
+    raised_m = box.size_m[2] - item.box.size_m[2]
+    children = tuple(_matched(_raised(child, raised_m), database, desks) for child in item.children)
+    matched = replace(item, asset=asset, box=box, children=children)
+    return matched.found(asset_distance_m=round(missed_m, 6))
+
+
+def _raised(child: Item, by_m: float) -> Item:
+    """The child on a top that is higher by this much."""
+    x, y, z = child.box.center_m
+    return replace(child, box=replace(child.box, center_m=(x, y, z + by_m)))
+
+
+def _yaw_deg(along: np.ndarray) -> float:
+    """Yaw of an item whose own x axis points along this vector; quarter turns are exact."""
+    yaw = float(np.degrees(np.arctan2(along[1], along[0])))
+    nearest = round(yaw / 90.0) * 90.0
+    return wrap_deg(nearest if abs(yaw - nearest) < 1e-6 else yaw)
+
+
+class _Floors:
+    """The rooms' floors, to ask which of them an item stands on."""
+
+    def __init__(self, rooms: Sequence[Room], m_per_px: float) -> None:
+        self.polygons = np.array([room_polygon(room) for room in rooms])
+        # A thin panel may be painted up to a pixel off; it still touches its own room only.
+        self.grown = shapely.buffer(self.polygons, m_per_px, join_style="mitre")
+        self._tree = shapely.STRtree(self.grown)
+
+    def holding(self, shape: Polygon) -> int | None:
+        """Index of the room that covers most of a footprint; None if that is not enough of it."""
+        near = np.sort(self._tree.query(shape, predicate="intersects"))
+        if not len(near):
+            return None
+        shares = shapely.area(shapely.intersection(self.polygons[near], shape))
+        if not shares.any():
+            shares = shapely.area(shapely.intersection(self.grown[near], shape))
+        best = int(near[shares.argmax()])
+        inside = shapely.area(shapely.intersection(self.grown[best], shape))
+        return best if 0.0 < inside >= LEAST_INSIDE * shape.area else None
+
+
+def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], reach_m: float) -> list[Item]:
+    boxes = _flush_boxes(room, found, reach_m)
+    placed = [(one, box) for (one, _), box in zip(found, boxes, strict=True)]
+    placed.sort(key=lambda pair: reading_order(pair[0].detection.category, pair[1]))
+    counts: dict[str, int] = defaultdict(int)
+    items = []
+    for one, box in placed:
+        name = one.detection.category
+        items.append(_item(f"{room.id}/{name}_{counts[name]}", one, box, room.id))
+        counts[name] += 1
+    return items
+
+
+def _flush_boxes(room: Room, found: Sequence[tuple[FoundItem, Box]], reach_m: float) -> list[Box]:
+    """The boxes of a room, square to its walls; edges that lie within reach_m of a wall or of each
+    other are on it."""
+    on_wall = [category(one.detection.category).mount is Mount.WALL for one, _ in found]
+    footprints = [
+        align(Footprint.of(box), room.polygon_m, _align_within_deg(one.detection.category))
+        for one, box in found
+    ]
+    for index, footprint in enumerate(footprints):
+        others = footprints[:index] + footprints[index + 1 :]
+        flush = flush_with_walls(footprint, room.polygon_m, reach_m, others)
+        footprints[index] = kept_deep(footprint, flush) if on_wall[index] else flush
+    apart = parted(footprints, reach_m, share=0.0)
+    return [footprint.on(box) for footprint, (_, box) in zip(apart, found, strict=True)]
+
+
+def _align_within_deg(name: str) -> float:
+    return ALIGN_BUILT_IN_DEG if is_built_in(category(name)) else ALIGN_DEG
+
+
+def reading_order(name: str, box: Box) -> tuple[int, float, float]:
+    """By which items are numbered, whatever order they were found in: category, then position."""
+    x, y, _ = box.center_m
+    return category(name).detector_class, round(x, 3), round(y, 3)
+
+
+def _item(item_id: str, one: FoundItem, box: Box, room_id: str) -> Item:
+    corners = np.round(one.detection.corners_px, 2).tolist()
+    facts = Facts(
+        source_px=tuple((x, y) for x, y in corners),
+        front_from="mark" if one.front_seen else "wall",
+        detected=one.in_detector,
+    )
+    score = round(one.detection.score, 4)
+    return Item(item_id, one.detection.category, box, room_id, score=score, facts=facts)

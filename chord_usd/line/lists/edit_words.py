@@ -1,0 +1,295 @@
+"""The words of a sentence that changes a house, and what each of them does in it. English."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from typing import NamedTuple
+
+from chord_usd.base.scene.numbers_said import plain_text
+from chord_usd.base.scene.palette import DRESSING_CATEGORIES
+from chord_usd.line.lists.piece_words import ANY_M, WORDS, named
+
+LONGEST = 6
+"""Words in a phrase."""
+
+_SHORTEST_MISSPELT, _SHORTEST_CONFUSED = 5, 7
+"""In letters: in shorter words nothing, or no letter that was replaced, is mended."""
+
+
+class Thing(NamedTuple):
+    """What a noun stands for."""
+
+    word: str
+    categories: tuple[str, ...]
+    """Of a new piece the first, of pieces that are there any."""
+    length_m: tuple[float, float] = ANY_M
+
+
+class Token(NamedTuple):
+    """A word, or several that are one, and what it is for."""
+
+    kind: str
+    """Of _TABLE, or "thing", "room", "number" and "unknown"."""
+    value: str
+    said: str
+    thing: Thing | None = None
+
+
+WISHES = frozenset((
+    "need", "needs", "want", "wants", "would like", "id like", "wed like", "would love", "id love",
+    "wed love", "there should be", "there must be", "there shall be",
+))  # fmt: skip
+"""Verbs that order by saying what somebody wishes."""
+
+_CONTRACTIONS = (
+    (r"\b(there|that|here|what|where|who|how)['’]?s\b", r"\1 is"),
+    (r"\b(it|he|she)['’]s\b", r"\1 is"),
+    (r"\b(i|we|you|they)['’]?ve\b", r"\1 have"),
+    (r"\b(we|you|they)['’]re\b", r"\1 are"),
+)
+
+_NUMBERS = (
+    "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven",
+    "twelve",
+)  # fmt: skip
+
+_TABLE: tuple[tuple[str, str, str], ...] = (
+    ("verb", "add", "add|install|insert|provide|include|buy|get|need|needs|give|want|would like|id"
+     " like|wed like|would love|id love|wed love|there should be|there must be|there shall be"
+     "|bring in|furnish with|equip with|wants"),
+    ("verb", "put", "put|place|stand|set|lay|hang|position|arrange|put up|set up|stands|be placed"),
+    ("verb", "remove", "remove|delete|get rid of|throw out|throw away|throw|take away|take out|take"
+     " down|take off|discard|drop|eliminate|ditch|scrap|dispose of|do away with|clear|clear out"
+     "|empty|strip|kick out|chuck out|leave out|erase|put away|should go"
+     "|must go|has to go|have to go"),
+    ("verb", "dislike", "dislike|hate|do not like|dont like|cannot stand|cant stand|tired of|im"
+     " tired of|am tired of"),
+    ("particle", "", "out|away|down"),
+    ("verb", "move", "move|shift|translate|push|pull|slide|bring|carry|relocate|drag|nudge|shove"
+     "|transfer|take|be moved|send"),
+    ("verb", "turn", "turn|rotate|spin|yaw|swivel|pivot|be turned|be rotated"),
+    ("verb", "face", "face|facing|faces|look at|look out of|look out|look to|look towards|look"
+     " toward|point at|point to|point towards|orient|orient to|orient towards|turned to|turned"
+     " towards|be turned to|be turned towards"),
+    ("verb", "swap", "swap|interchange|change places|trade places|swap places|switch places"
+     "|switch"),
+    ("verb", "replace", "replace|exchange|substitute|trade"),
+    ("verb", "style", "restyle|redo|redecorate|do up"),
+    ("verb", "lock", "lock|pin|pin down|freeze|keep|fix|do not touch|dont touch|do not move|dont"
+     " move|stay|stays|stay put|stays put|stay where it is|stays where it is|stay where they are"
+     "|remains where it is|must not move|may not move|leave alone|anchor|secure"),
+    ("verb", "unlock", "unlock|unpin|unfreeze|release"),
+    ("verb", "weak", "make|have|let|should|shall|must|could|can|ought to|may|turn into|has to"
+     "|have to|needs to|need to|is to|are to"),
+    ("relation", "by", "next to|beside|near|near to|near of|close to|by|by the side of|alongside"
+     "|adjacent to|at|around|against|right by|up to|for|to the side of"),
+    ("relation", "away from", "away from|far from|further from|farther from|further away from|clear"
+     " of|off"),
+    ("relation", "nearer to", "nearer to|nearer|closer to|closer|more near to|towards|toward|in the"
+     " direction of"),
+    ("relation", "between", "between|in between"),
+    ("relation", "under", "under|underneath|beneath|below"),
+    ("relation", "above", "above|over"),
+    ("relation", "before", "in front of|before|opposite"),
+    ("way", "north", "north|northwards"),
+    ("way", "east", "east|eastwards"),
+    ("way", "south", "south|southwards"),
+    ("way", "west", "west|westwards"),
+    ("sense", "-1", "clockwise|cw"),
+    ("sense", "1", "counterclockwise|anticlockwise|counter clockwise|anti clockwise|ccw"),
+    ("angle", "90", "quarter turn|quarter of a turn"),
+    ("angle", "180", "half turn|half a turn|the other way round|back to front"),
+    ("unit", "1", "m|metre|metres|meter|meters"),
+    ("unit", "0.01", "cm|centimetre|centimetres|centimeter|centimeters"),
+    ("unit", "0.001", "mm|millimetres|millimeters"),
+    ("unit", "0.3048", "ft|foot|feet"),
+    ("degrees", "", "degrees|degree|deg|°"),
+    ("feature", "window", "window|windows"),
+    ("feature", "door", "door|doors|doorway"),
+    ("feature", "wall", "wall|walls"),
+    ("style", "modern", "modern|contemporary"),
+    ("style", "scandinavian", "scandinavian|scandi|nordic"),
+    ("style", "classic", "classic|classical|traditional"),
+    ("style", "industrial", "industrial|loft"),
+    ("style", "japanese", "japanese"),
+    ("styled", "", "style|look|styled"),
+    ("size", "small", "small|little|tiny|compact"),
+    ("size", "large", "large|big|huge"),
+    ("number", "0", "zero"),
+    ("number", "2", "both|both of|a pair of|a couple of"),
+    ("number", "0.5", "half|half a"),
+    *(("number", str(n), word) for n, word in enumerate(_NUMBERS, 1)),
+    ("no", "", "no|without|not any|none of"),
+    ("every", "", "all|all of|every|each|any"),
+    ("more", "", "more|another|extra|additional|one more"),
+    ("less", "", "less|fewer"),
+    ("only", "", "only|just|no more than"),
+    ("the", "", "the|this|that|these|those|my|our|his|her|their|its|all the|all of the"),
+    ("a", "", "a|an"),
+    ("it", "", "it|them"),
+    ("there", "", "there|in there|in it"),
+    ("prep", "in", "in|inside|within|on"),
+    ("prep", "to", "to|into|onto"),
+    ("prep", "from", "from|out of"),
+    ("prep", "of", "of"),
+    ("with", "", "with|plus"),
+    ("and", "", "and|as well as|then|also|but|so that|&|+|,|;|.|!|?|:|\n"),
+    ("cannot", "", "paint|blue|red|green|yellow|white|black|grey|gray|brown|pink|orange|purple"
+     "|beige|colour|color|wallpaper|tiles|parquet|knock down|tear down|build|demolish|left|right"
+     "|not|never|dont|no need|upside down|ceiling|nice|nicer|cosy|better|if|unless|maybe|or|except"
+     "|half of|leave"),
+    ("", "", "please|kindly|would|you|i|we|like|be|is|are|some|me|us|too|again|now|piece of|pieces"
+     " of|hello|hi|thanks|instead|where it is|where they are|could you|can you|would you|will you"
+     "|do|so|lets|let us|i want to"
+     "|we want to|i would like to|we would like to|id like to|wed like to|i need to|we need to"
+     "|i want you to|we want you to|i would like you to|id like you to|i need you to"),
+)  # fmt: skip
+"""What a phrase is for, of which sort, and the phrases."""
+
+_ALSO = {
+    "rug": ("rug mat", "rug|carpet|area_rug"),
+    "mat": ("mat rug", "mat|doormat|bath_mat"),
+    "floor_lamp": ("floor_lamp table_lamp", "lamp|light|reading_lamp"),
+    "floor_plant": ("floor_plant big_plant small_plant", "plant|house_plant|pot_plant"
+                    "|potted_plant"),
+    "picture": ("picture", "painting|poster|print|artwork"),
+    "bin": ("bin", "dustbin|wastebasket|trash_can|waste_bin|rubbish_bin"),
+    "curtain": ("curtain curtain_rail", "drape|curtains"),
+    "mirror": ("mirror", "looking_glass"),
+    "side_coffee_table": ("side_coffee_table", "little_table|small_table|small_side_table"
+                          "|occasional_table|little_side_table"),
+    "tv_cabinet": ("tv_cabinet", "telly|telly_stand|television_stand|television_cabinet|tv_board"
+                   "|telly_cabinet|tv_set"),
+    "shoe_cabinet": ("shoe_cabinet", "shoe_cupboard"),
+    "leisure_sofa": ("leisure_sofa single_sofa", "recliner|lounger"),
+}  # fmt: skip
+"""What more things are called, by category; and what other categories count as them."""
+
+_SEATS = ("single_sofa", "leisure_sofa")
+
+SEATED_AT = {
+    "dining chair": "dining_table", "kitchen chair": "dining_table", "desk chair": "table",
+    "office chair": "table",
+}  # fmt: skip
+"""Words for chairs that say at which kind of table they stand."""
+
+
+@cache
+def _phrases() -> dict[str, tuple[str, str]]:
+    return {text: (kind, value) for kind, value, row in _TABLE for text in row.split("|")}
+
+
+@cache
+def _things() -> dict[str, Thing]:
+    found = {word: Thing(own.word, _counted(own.category), own.length_m)
+             for word, own in WORDS.items() if word.isascii()}  # fmt: skip
+    for row in DRESSING_CATEGORIES:
+        found[row.label.lower().replace(" ", "")] = Thing(row.label.lower(), (row.name,))
+    for category, (counted, words) in _ALSO.items():
+        for word in (category, *words.split("|")):
+            own = Thing(word.replace("_", " "), tuple(counted.split()))
+            found[word.replace("_", "")] = own
+    return found
+
+
+def _counted(category: str) -> tuple[str, ...]:
+    if category in _SEATS:
+        return (category, *(one for one in _SEATS if one != category))
+    return (category,)
+
+
+def thing(words: Sequence[str]) -> Thing | None:
+    """What these words together name, singular or plural."""
+    joined, things = "".join(words), _things()
+    stems = [joined, *(joined.removesuffix(end) for end in ("s", "es") if joined.endswith(end))]
+    stems += [f"{joined[:-3]}f", f"{joined[:-3]}y"] if joined.endswith(("ves", "ies")) else []
+    found = next((things[stem] for stem in stems if stem in things), None)
+    if found is None and (other := named(list(words))):  # "chests of drawers"
+        found = Thing(other.word, _counted(other.category), other.length_m)
+    return found
+
+
+@cache
+def _spellings() -> frozenset[str]:
+    """Single words that a misspelt one may be."""
+    phrases = {word for text in _phrases() for word in text.split()}
+    nouns = {word for own in _things().values() for word in own.word.split()}
+    return frozenset(word for word in phrases | nouns if len(word) >= _SHORTEST_MISSPELT)
+
+
+def mended(word: str, also: frozenset[str] = frozenset()) -> str | None:
+    """The one known word that differs by a letter lost, added or replaced, or two that changed
+    places; None where there is none, or several. also: further known words."""
+    if len(word) < _SHORTEST_MISSPELT:
+        return None
+    near = {one for one in _spellings() | also if _is_slip(word, one)}
+    return near.pop() if len(near) == 1 else None
+
+
+def _is_slip(word: str, meant: str) -> bool:
+    if abs(len(word) - len(meant)) > 1 or word[0] != meant[0] or word == meant:
+        return False
+    at = next((n for n, (a, b) in enumerate(zip(word, meant, strict=False)) if a != b), len(word))
+    if len(word) > len(meant):
+        return word[at + 1 :] == meant[at:]
+    if len(word) < len(meant):
+        return word[at:] == meant[at + 1 :]
+    swapped = word[at + 1 : at + 2] + word[at : at + 1] + word[at + 2 :]
+    if swapped == meant[at:]:
+        return True
+    return len(word) >= _SHORTEST_CONFUSED and word[at + 1 :] == meant[at + 1 :]
+
+
+def words_of(sentence: str) -> list[str]:
+    """Its words, numbers and signs, in lower case."""
+    plain = plain_text(sentence)
+    for short, whole in _CONTRACTIONS:
+        plain = re.sub(short, whole, plain)
+    plain = plain.replace("'", "").replace("’", "")
+    plain = re.sub(r"(?<=[^\W\d])[-_/](?=[^\W\d])", " ", plain)
+    return re.findall(r"[^\W\d_]+|\d+(?:[.,]\d+)?|[^\w\s]|\n", plain)
+
+
+def tokens(words: Sequence[str], rooms: Mapping[int, tuple[int, str]]) -> Iterator[Token]:
+    """The words as tokens, the longest phrases first; of equal length things before the rest.
+
+    rooms: by where a room's name begins, how many words it takes, and what it is.
+    """
+    at = 0
+    while at < len(words):
+        taken, token = _token(words, at, rooms)
+        yield token
+        at += taken
+
+
+def _cuts_a_thing(words: Sequence[str], at: int, taken: int) -> bool:
+    """Whether a room's name ends in a word that a thing begins with: "all dining" of chairs."""
+    return any(
+        thing(words[start : at + taken + 1]) and not thing(words[start : at + taken])
+        for start in range(at + 1, at + taken) if at + taken < len(words)
+    )  # fmt: skip
+
+
+def _token(
+    words: Sequence[str], at: int, rooms: Mapping[int, tuple[int, str]]
+) -> tuple[int, Token]:
+    for taken in range(min(LONGEST, len(words) - at), 0, -1):
+        own = words[at : at + taken]
+        said = " ".join(own)
+        is_place = at in rooms and rooms[at][0] == taken and not _cuts_a_thing(words, at, taken)
+        before = words[at - 2 : at] if at and words[at - 1] == "the" else words[at - 1 : at]
+        if is_place and before and before[0] in ("in", "into", "from"):
+            found = None  # "in the toilet" is a room
+        else:
+            found = thing(own) if all(word.isalpha() for word in own) else None
+        if found and said not in _phrases():
+            return taken, Token("thing", found.word, said, found)
+        if is_place:
+            return taken, Token("room", rooms[at][1], said)
+        if said in _phrases():
+            return taken, Token(*_phrases()[said], said)
+    if words[at][0].isdigit():
+        return 1, Token("number", words[at].replace(",", "."), words[at])
+    return 1, Token("unknown", "", words[at])

@@ -1,0 +1,244 @@
+"""Draws lists with a trained network (workshop/training/lists_network.py), position by position."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from chord_usd.base.runtime.networks import Network, content_hash, load_network
+from chord_usd.line.lists.vocabulary import (
+    END,
+    NOTHING,
+    SEGMENT_FIELDS,
+    Element,
+    Floats,
+    Ints,
+    Vocabulary,
+    roles_of,
+)
+
+GRAPH_INPUTS = ("segments", "facts", "flags", "roles", "left", "values", "noise")
+GRAPH_OUTPUTS = ("values_drawn", "chances")
+REMEDY = "chord-usd train lists, or reinstall chord-usd"
+
+
+class Heat(NamedTuple):
+    """Temperatures: 1 draws what is as likely as the network says, less what is likelier."""
+
+    categories: float = 0.9
+    """As varied as homes are."""
+    places: float = 0.3
+    """Where a piece stands, which had better be where it fits."""
+
+
+HEAT = Heat()
+_BARRED = -1e4
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What a list is to be drawn for."""
+
+    segments: Ints
+    """(S, SEGMENT_FIELDS)"""
+    facts: Ints
+    """(F,)"""
+    flags: Floats
+    """(K,)"""
+    wanted: tuple[int, ...] = ()
+    """Categories that it shall hold, as often as they are named."""
+    excluded: frozenset[int] = frozenset()
+    kept: tuple[Element, ...] = ()
+    """Elements that it holds already, besides what is wanted."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One list."""
+
+    elements: tuple[Element, ...]
+    likelihood: float
+    """Log chance of all that was drawn."""
+
+
+class Drawer(Protocol):
+    """Whatever tells which pieces rooms hold, and where."""
+
+    content_hash: str
+    """Of its weights."""
+
+    def draw(
+        self, subjects: Sequence[Subject], rng: np.random.Generator, heat: Heat = HEAT
+    ) -> list[Drawn]:
+        """One list for each subject, all drawn together."""
+        raise NotImplementedError
+
+
+class ListDrawer:
+    """The trained network. Make one with load_lists."""
+
+    def __init__(self, network: Network, vocabulary: Vocabulary, content_hash: str) -> None:
+        """content_hash: of the weights."""
+        self._network, self.vocabulary = network, vocabulary
+        self.content_hash = content_hash
+
+    def draw(
+        self,
+        subjects: Sequence[Subject],
+        rng: np.random.Generator | Sequence[np.random.Generator],
+        heat: Heat = HEAT,
+    ) -> list[Drawn]:
+        """One list for each subject, all drawn together.
+
+        rng: one for all, or one for each, whose list then does not depend on the others.
+        """
+        if not subjects:
+            return []
+        lines = _Lines(self.vocabulary, subjects)
+        while len(lines.open):
+            self._tell(lines, rng, heat)
+        return lines.drawn()
+
+    def _tell(
+        self, lines: _Lines, rng: np.random.Generator | Sequence[np.random.Generator], heat: Heat
+    ) -> None:
+        """One more position of every list that is not at its end."""
+        inputs = lines.inputs()
+        size = (len(self.vocabulary.slots), self.vocabulary.size)
+        if isinstance(rng, np.random.Generator):
+            gumbel = rng.gumbel(size=(len(lines.open), *size))
+        else:
+            gumbel = np.stack([rng[line].gumbel(size=size) for line in lines.open])
+        closed = lines.is_closed[lines.open, None, None]
+        gumbel *= np.where(closed, heat.places, heat.categories)
+        inputs["noise"] = (gumbel + lines.barred()).astype(np.float32)
+        values, chances = self._network.run(inputs)
+        lines.take(np.asarray(values, np.int64), chances)
+
+
+class _Lines:
+    """Lists while they are drawn."""
+
+    def __init__(self, vocabulary: Vocabulary, subjects: Sequence[Subject]) -> None:
+        self.vocabulary, self.subjects = vocabulary, subjects
+        count, slots = len(subjects), len(vocabulary.slots)
+        most = max(len(subject.segments) for subject in subjects)
+        self.segments = np.zeros((count, most, SEGMENT_FIELDS), np.int64)
+        for index, subject in enumerate(subjects):
+            self.segments[index, : len(subject.segments)] = subject.segments
+        self.facts = np.stack([subject.facts for subject in subjects])
+        self.flags = np.stack([subject.flags for subject in subjects]).astype(np.float32)
+        self.at = 0
+        self.open = np.arange(count)
+        self.values = np.zeros((count, 0, slots), np.int64)
+        self.categories: list[list[int]] = [[] for _ in subjects]
+        self.is_closed = np.zeros(count, np.bool_)
+        self.likelihood = np.zeros(count)
+        self.roles: list[Ints] = [np.zeros(0, np.int64)] * count
+        self.left: list[Ints] = [np.zeros(0, np.int64)] * count
+
+    def inputs(self) -> dict[str, np.ndarray]:
+        """For the network, all positions so far and the one to come, of the open lists."""
+        rows, length = self.open, self.at + 1
+        roles = np.zeros((len(rows), length), np.int64)
+        left = np.zeros_like(roles)
+        values = np.zeros((len(rows), length, self.values.shape[2]), np.int64)
+        values[:, : self.at] = self.values[rows]
+        for row, line in enumerate(rows):
+            count = len(self.categories[line])
+            told = slice(count + 1, length)
+            if self.is_closed[line]:
+                roles[row, told] = self.roles[line][: length - count - 1]
+                left[row, told] = self.left[line][: length - count - 1]
+                values[row, -1] = self._given(line, self.at - count - 1)
+        arrays = (self.segments[rows], self.facts[rows], self.flags[rows], roles, left, values)
+        return dict(zip(GRAPH_INPUTS, arrays, strict=False))
+
+    def _given(self, line: int, index: int) -> Ints:
+        """(slots,) the values of an element that is kept; NOTHING of one to draw."""
+        category = self.categories[line][index]
+        nth = self.categories[line][:index].count(category)
+        kept = [one for one in self.subjects[line].kept if one.category == category]
+        if nth >= len(kept):
+            return np.full(len(self.vocabulary.slots), NOTHING, np.int64)
+        starts = [self.vocabulary.first[name] for name in self.vocabulary.slots]
+        return np.array(kept[nth].values, np.int64) + starts
+
+    def barred(self) -> Floats:
+        """(open lists, slots, size) _BARRED for categories that cannot come next."""
+        vocabulary = self.vocabulary
+        barred = np.zeros((len(self.open), len(vocabulary.slots), vocabulary.size), np.float32)
+        for row, line in enumerate(self.open):
+            if not self.is_closed[line]:
+                barred[row, 0, ~self._possible(line)] = _BARRED
+        return barred
+
+    def _possible(self, line: int) -> np.ndarray:
+        """(size,) which categories may come next: in order, and none that is wanted passed over."""
+        subject, told = self.subjects[line], self.categories[line]
+        possible = np.zeros(self.vocabulary.size, np.bool_)
+        needed = [*subject.wanted, *(one.category for one in subject.kept)]
+        waiting = [c for c in set(needed) if needed.count(c) > told.count(c)]
+        ranks = self.vocabulary.ranks
+        first = ranks[told[-1]] if told else 0
+        last = min(ranks[waiting]) if waiting else len(ranks)
+        room_left = self.vocabulary.most - len(told)
+        if not waiting or room_left <= 0:
+            possible[END] = True
+        missing = sum(max(0, needed.count(c) - told.count(c)) for c in set(needed))
+        for category in np.flatnonzero((ranks >= first) & (ranks <= last)):
+            is_needed = category in waiting
+            if room_left > 0 and (is_needed or (category not in subject.excluded
+                                                and room_left > missing)):  # fmt: skip
+                possible[END + 1 + category] = True
+        if not possible.any():
+            possible[END] = True
+        return possible
+
+    def take(self, values: Ints, chances: Floats) -> None:
+        """What the network drew for the open lists."""
+        column = np.zeros((len(self.subjects), 1, self.values.shape[2]), np.int64)
+        for row, line in enumerate(self.open):
+            if self.is_closed[line]:
+                column[line, 0] = values[row]
+                self.likelihood[line] += float(chances[row].sum())
+                continue
+            told = int(values[row, 0])
+            column[line, 0, 0] = told
+            self.likelihood[line] += float(chances[row, 0])
+            if told == END:
+                self.is_closed[line] = True
+                self.roles[line], self.left[line] = roles_of(self.categories[line])
+            else:
+                self.categories[line].append(told - END - 1)
+        self.values = np.concatenate([self.values, column], axis=1)
+        self.at += 1
+        lengths = np.array([2 * len(one) + 1 for one in self.categories])
+        self.open = np.flatnonzero(~self.is_closed | (lengths > self.at))
+
+    def drawn(self) -> list[Drawn]:
+        starts = np.array([self.vocabulary.first[name] for name in self.vocabulary.slots])
+        found = []
+        for line, categories in enumerate(self.categories):
+            first = len(categories) + 1
+            values = self.values[line, first : first + len(categories)] - starts
+            elements = tuple(
+                Element(category, tuple(map(int, own)))
+                for category, own in zip(categories, values, strict=True)
+            )
+            found.append(Drawn(elements, float(self.likelihood[line])))
+        return found
+
+
+def load_lists(folder: Path, vocabulary: Vocabulary) -> ListDrawer:
+    """The network of a checkpoint folder. Raises CheckpointError for an unusable one."""
+    return ListDrawer(load_network(folder, REMEDY), vocabulary, content_hash(folder))
+
+
+def without(categories: Collection[str], vocabulary: Vocabulary) -> frozenset[int]:
+    """Indices of categories, for Subject.excluded."""
+    return frozenset(vocabulary.categories.index(name) for name in categories)

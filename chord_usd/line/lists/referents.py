@@ -1,0 +1,169 @@
+"""Which rooms and pieces of a house the nouns of a clause mean."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from chord_usd.base.metrics.complete import table_of
+from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.types import Item, Room, RoomKind, SceneGraph
+from chord_usd.line.lists.clauses import WHERE, Clause, Noun, not_understood
+from chord_usd.line.lists.edit_words import SEATED_AT, Token
+from chord_usd.line.lists.piece_words import HERE
+from chord_usd.line.lists.wishes import SLACK_M, rooms_meant
+
+_BY_M = 0.6
+"""What is farther from a piece does not stand by it."""
+
+ROOM_TOO = "the room, too"
+"""What is expected of a sentence that may mean several rooms."""
+
+
+class Referents:
+    """Looks for what is meant, in the house and in what was said before."""
+
+    def __init__(self, graph: SceneGraph, rooms: Mapping[str, Room]) -> None:
+        """rooms: by the names of their prims, named as people call them."""
+        self._graph, self._rooms = graph, rooms
+        self._things = (*graph.items, *graph.dressing)
+        self._name_of = {room.id: room.name or name for name, room in rooms.items()}
+        self._kinds: dict[str, RoomKind] = {room.id: room.kind for room in graph.rooms}
+        self.room_said = ""
+        """Id of the room last spoken of."""
+        self.last: tuple[str, ...] = ()
+        """Ids of the pieces last spoken of."""
+
+    def answer(self, tokens: Sequence[Token]) -> str:
+        """What the house has of the things that a question names, in the rooms that it names."""
+        said = [token.value for token in tokens if token.kind == "room"]
+        rooms = [room.id for name in said for room in rooms_meant(name, self._rooms, WHERE)]
+        told = []
+        for token in tokens:
+            if token.thing is not None:
+                own = self.there(Noun(token.thing, token.said), rooms)
+                counts = Counter(self.name(one.room_id) for one in own)
+                places = [f"{count} in {room}" for room, count in counts.items()]
+                told.append(f"{token.thing.word}: {', '.join(places) or 'none there'}")
+        return "; ".join(dict.fromkeys(told)) or "it names no piece"
+
+    def rooms_of(self, clause: Clause, *preps: str) -> list[str]:
+        """Ids of the rooms that a clause names with one of these prepositions."""
+        found = []
+        for prep, said in clause.rooms:
+            if prep in preps:
+                found += [room.id for room in rooms_meant(said, self._rooms, WHERE)]
+        if clause.is_there and not found and "in" in preps and self.room_said:
+            found.append(self.room_said)
+        return found
+
+    def rooms_for(self, clause: Clause, following: Sequence[Clause], *preps: str) -> list[str]:
+        """The same; where it names none, what the clauses without a verb that follow name."""
+        found = self.rooms_of(clause, *preps)
+        for later in following if not found else ():
+            if later.verb:
+                break
+            found = self.rooms_of(later, *preps)
+            if found:
+                break
+        return found
+
+    def there(self, noun: Noun, rooms: Sequence[str], *, but: Sequence[str] = ()) -> list[Item]:
+        """Pieces of the house that a noun means, in these rooms or in any."""
+        own = [one for one in self._things if one.category in self.categories(noun, one.room_id)]
+        least, most = noun.thing.length_m
+        own = [one for one in own if least - SLACK_M <= one.box.size_m[0] <= most + SLACK_M]
+        kind = SEATED_AT.get(noun.thing.word)
+        if kind:
+            tables = {one.id: table_of(one, self._things) for one in own}
+            own = [one for one in own if (at := tables[one.id]) and at.category == kind]
+        return [one for one in own if (not rooms or one.room_id in rooms) and one.id not in but]
+
+    def categories(self, noun: Noun, room_id: str) -> tuple[str, ...]:
+        kind = self._kinds.get(room_id, "unknown")
+        here = HERE.get(kind, {}).get(noun.thing.word)
+        return (here, *noun.thing.categories) if here else noun.thing.categories
+
+    def meant(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> list[Item]:
+        """The pieces that a noun means, which are there. Raises ChordError where none or too many
+        are."""
+        found = self.there(noun, rooms)
+        if not found:
+            place = f"in {self.name(rooms[0])}" if rooms else "in the house"
+            raise not_understood(clause.words, f"no {noun.said} {place}")
+        if not rooms and self.room_said and any(one.room_id == self.room_said for one in found):
+            found = [one for one in found if one.room_id == self.room_said]
+        if len({one.room_id for one in found}) > 1 and not noun.is_every:
+            names = ", ".join(dict.fromkeys(self.name(one.room_id) for one in found))
+            raise not_understood(clause.words, f"'{noun.said}' may be that of {names}", ROOM_TOO)
+        return found
+
+    def single(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> list[Item]:
+        """The one piece that a noun means, or as many as are counted, or all of a group."""
+        found = self.meant(clause, noun, rooms)
+        plural = noun.said.endswith("s") and not noun.thing.word.endswith("s")
+        if noun.is_every or (plural and noun.count is None) or len(found) == 1:
+            return found
+        if noun.count is not None and noun.count == len(found):
+            return found
+        raise not_understood(
+            clause.words, f"there are {len(found)} of '{noun.said}' in "
+            f"{self.name(found[0].room_id)}", "all of them, or what is there once"
+        )  # fmt: skip
+
+    def name(self, room_id: str) -> str:
+        return self._name_of.get(room_id, room_id)
+
+    def subjects(self, clause: Clause, rooms: Sequence[str]) -> list[Item]:
+        """What a verb is done to: nouns, or what was spoken of before."""
+        if clause.is_it and not clause.nouns:
+            before = [one for one in self._things if one.id in self.last]
+            if not before:
+                raise not_understood(clause.words, "what is meant by 'it'?", "what the house has")
+            return before
+        if not clause.nouns:
+            raise not_understood(clause.words, "it names no piece")
+        return [one for noun in clause.nouns for one in self.single(clause, noun, rooms)]
+
+    def anchors(self, clause: Clause, room: str, but: Sequence[str] = ()) -> tuple[str, ...]:
+        """Ids of what a relation is to, and features."""
+        found: list[str] = []
+        for anchor in clause.anchors:
+            if isinstance(anchor, str):
+                found.append(anchor)
+                continue
+            own = self.there(anchor, [room] if room else [], but=but)
+            if not own:
+                place = f"in {self.name(room)}" if room else "in the house"
+                raise not_understood(clause.words, f"no {anchor.said} {place}")
+            if not room and len({one.room_id for one in own}) > 1:
+                names = ", ".join(dict.fromkeys(self.name(one.room_id) for one in own))
+                raise not_understood(
+                    clause.words, f"'{anchor.said}' may be that of {names}", ROOM_TOO
+                )
+            found += [one.id for one in own]
+        if clause.relation and not found:
+            raise not_understood(clause.words, f"'{clause.relation}' what?")
+        if clause.relation == "between" and len(clause.anchors) < 2:
+            raise not_understood(clause.words, "between what?")
+        return tuple(found)
+
+    def near(self, own: Sequence[Item], clause: Clause) -> list[Item]:
+        """Those of the pieces that stand where a relation says."""
+        if not clause.anchors:
+            return list(own)
+        if clause.relation != "by" or any(isinstance(one, str) for one in clause.anchors):
+            raise not_understood(clause.words, f"'{clause.relation}' for what is there already")
+        room = own[0].room_id if own else ""
+        ids = self.anchors(clause, room, [one.id for one in own])
+        shapes = [footprint_polygon(one.box) for one in self._things if one.id in ids]
+        return [
+            one for one in own
+            if any(footprint_polygon(one.box).distance(shape) <= _BY_M for shape in shapes)
+        ]  # fmt: skip
+
+    def anchor_room(self, clause: Clause) -> str:
+        """Id of the one room where all pieces are that a relation is to; "" where that is none."""
+        nouns = [anchor for anchor in clause.anchors if isinstance(anchor, Noun)]
+        rooms = {one.room_id for noun in nouns for one in self.there(noun, [])}
+        return rooms.pop() if len(rooms) == 1 else ""

@@ -1,0 +1,351 @@
+"""Any other drawing -> Plan, by what a network sees on the page.
+
+The network says of each pixel what is built there, and finds rooms among furniture, dimension lines
+and pages of text (seen.py). What is printed gives rooms their kinds, and the scale.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from chord_usd.base.errors import PlanError
+from chord_usd.base.runtime.locations import checkpoint_folder
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.room_areas import scale_by_home, scale_by_rooms
+from chord_usd.base.scene.stair_places import DRAWN_STAIRS
+from chord_usd.base.scene.types import (
+    OPEN,
+    SURROUNDS,
+    WALL_THICKNESS_M,
+    BoolArray,
+    ByteArray,
+    FloatArray,
+    PixelFrame,
+    Plan,
+    Room,
+    RoomKind,
+    frozen_array,
+)
+from chord_usd.base.scene.units import cm_from_m, m_from_px
+from chord_usd.line.plan.doubts import doubts, is_all_guessed, named_rooms, refuse_nonsense
+from chord_usd.line.plan.home_uses import (
+    kinds_of_home,
+    part_open_plans,
+    uses_elsewhere,
+    with_missing_rooms,
+)
+from chord_usd.line.plan.labels import named_by_texts, numbered, seen_as, uses_named
+from chord_usd.line.plan.openings import CONFIDENCE
+from chord_usd.line.plan.parts import parts_of
+from chord_usd.line.plan.placement import DRAWING, WARNINGS, placement
+from chord_usd.line.plan.printed import STATED, Estimate, estimates
+from chord_usd.line.plan.regions import Outline, is_stairwell, stair_outlines
+from chord_usd.line.plan.scale_choice import SCALE, Scale, choose_scale
+from chord_usd.line.plan.seen import Reader, SeenReading, read_seen
+from chord_usd.line.plan.seen_kinds import SeenKinds, seen_kinds
+from chord_usd.line.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
+from chord_usd.line.plan.sheet import Sheet, ink_of, on_white, prepare
+from chord_usd.line.plan.storey_titles import titled
+from chord_usd.line.plan.text import Text, read_texts, warm_up
+
+_OPEN_M = 1.2
+"""Wider than a door."""
+
+_SURROUNDED_M2 = 1.0
+"""Larger than a chimney."""
+
+_REREAD = math.log(1.1)
+"""A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
+
+
+_SHOWS = "the sheet shows "
+
+_MOST_PLANS = 12
+"""Of one sheet."""
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What is known of a picture beside its pixels."""
+
+    texts: tuple[Text, ...] = ()
+    """What is printed on it; empty where that has to be read from the pixels, too."""
+    stated_m_per_px: float | None = None
+    """By a scale such as 1:100 and the size of the paper."""
+    paper_m_per_px: float | None = None
+    """Of the sheet of paper, whatever its scale is."""
+    is_open: bool = False
+    """Whether it shows the outer walls of a home, whose rooms are planned later."""
+
+
+def read_drawing(
+    rgb: ByteArray,
+    m_per_px: float | None = None,
+    part: int = 1,
+    known: Known | None = None,
+    reader: Reader | None = None,
+) -> Plan:
+    """The plan in a drawing, RGB (H, W, 3).
+
+    m_per_px: of the picture as given; without it printed measures, doors (0.8 m) or else the walls
+    (0.24 m) give the scale. part: which plan of a sheet with several, the largest being 1. reader:
+    whoever sees what is built; by default the network of the checkpoint.
+    Raises CheckpointError, and PlanError where no closed room is found, or what was found cannot be
+    a house.
+    """
+    return _read_part(_page(rgb, m_per_px, part, known, reader)).plan
+
+
+def read_sheet(
+    rgb: ByteArray, m_per_px: float | None = None, known: Known | None = None
+) -> list[tuple[Plan, str]]:
+    """All plans of a sheet with what each is titled, as storeys of one house: the lowest first,
+    all at the scale of the one that is surest of its own.
+
+    Without titles the largest is the lowest. Raises CheckpointError, and PlanError.
+    """
+    page = replace(_page(rgb, m_per_px, 1, known, None), is_home=False)
+    found = list(_all_parts(page))
+    if m_per_px is None and len(found) > 1:
+        surest = max(found, key=lambda one: one.plan.extra[SCALE]["confidence"])
+        scaled = replace(page, m_per_px=surest.plan.extra[SCALE]["mPerPx"])
+        found = list(_all_parts(scaled))
+    titles = titled([one.bounds_px for one in found], page.texts)
+    rows = [
+        (title[0] if title else 0.5 * index, index, _alone(one.plan), title[1] if title else "")
+        for index, (one, title) in enumerate(zip(found, titles, strict=True))
+    ]
+    return [(plan, title) for _, _, plan, title in sorted(rows, key=lambda row: row[:2])]
+
+
+def _alone(plan: Plan) -> Plan:
+    """A plan without the warning that the sheet shows others."""
+    told = [one for one in plan.extra.get(WARNINGS, ()) if not one.startswith(_SHOWS)]
+    rest = {key: value for key, value in plan.extra.items() if key != WARNINGS}
+    return replace(plan, extra={**rest, **({WARNINGS: told} if told else {})})
+
+
+def _all_parts(page: _Page) -> Iterator[_Found]:
+    """The plans of a sheet, the largest first. Raises PlanError where the first cannot be read."""
+    for part in range(1, _MOST_PLANS + 1):
+        try:
+            yield _read_part(replace(page, part=part))
+        except NoSuchPartError:
+            return
+        except PlanError:
+            if part == 1:
+                raise
+
+
+def _page(
+    rgb: ByteArray,
+    m_per_px: float | None,
+    part: int,
+    known: Known | None,
+    reader: Reader | None,
+) -> _Page:
+    known = known or Known()
+    # Loading is Python's work, straightening OpenCV's: they go side by side.
+    with ThreadPoolExecutor(1) as aside:
+        if not known.texts:
+            aside.submit(warm_up)
+        sheet = prepare(rgb)
+    light = on_white(sheet.rgb)
+    segments = (reader or _reader()).read(light)
+    texts = _texts(sheet, known)
+    return _Page(sheet, segments, texts, m_per_px, part, known, not known.is_open)
+
+
+@dataclass(frozen=True, eq=False)
+class _Page:
+    """A sheet, and what is known of it."""
+
+    sheet: Sheet
+    segments: Segments
+    """What the network sees on it."""
+    texts: tuple[Text, ...]
+    m_per_px: float | None
+    part: int
+    known: Known = Known()
+    is_home: bool = True
+    """Whether the sheet's plan is all of a home, and no storey of one."""
+
+    @property
+    def given(self) -> float | None:
+        """Metres per pixel of the working picture, if the user gave a scale."""
+        return self.m_per_px and self.m_per_px / self.sheet.shrink
+
+    @cached_property
+    def ink(self) -> BoolArray:
+        """(H, W) what is drawn."""
+        return ink_of(on_white(self.sheet.rgb))
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """A plan of a sheet."""
+
+    plan: Plan
+    bounds_px: FloatArray
+    """(2, 2) lowest and highest corner on the working picture."""
+
+
+class NoSuchPartError(PlanError):
+    """A sheet shows fewer plans than were asked for."""
+
+
+def _read_part(page: _Page) -> _Found:
+    """One plan of a sheet, with its scale, names and doubts. Raises PlanError."""
+    reading, told = _take_part(read_seen(page.segments, page.given), page.part)
+    scale = _scale(reading, page)
+    if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) > _REREAD:
+        reading, told = _take_part(reading.again(scale.m_per_px), page.part)
+    page = replace(page, is_home=page.is_home and not told)
+    frame = replace(reading.frame, m_per_px=scale.m_per_px)
+    refuse_nonsense([o.polygon_px for o in reading.outlines], reading.regions, frame)
+    seen = seen_kinds(page.segments.kinds, frame)
+    plan = _plan(reading, page, frame, seen)
+    if is_all_guessed(plan):
+        raise _no_room()
+    sheet = page.sheet
+    drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
+    rooms = named_rooms(plan, page.texts, frame)
+    told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame)]
+    if page.is_home:
+        named = {room.id: uses_named(room, page.texts, frame) for room in plan.rooms}
+        plan, missing = with_missing_rooms(plan, seen, named)
+        told += missing
+    entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
+    stairs = _stairs(plan, page, frame)
+    extra: dict[str, Any] = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
+    extra |= {DRAWN_STAIRS: stairs} if stairs else {}
+    plan = replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
+    corners = np.concatenate([outline.polygon_px for outline in reading.outlines])
+    bounds = np.array([corners.min(axis=0), corners.max(axis=0)])
+    return _Found(plan, bounds)
+
+
+def _texts(sheet: Sheet, known: Known) -> tuple[Text, ...]:
+    """What is printed, in pixels of the working picture."""
+    if known.texts and not sheet.straightening.entry():
+        return tuple(replace(t, corners_px=t.corners_px * sheet.shrink) for t in known.texts)
+    return tuple(
+        replace(text, corners_px=text.corners_px / sheet.fine_per_px)
+        for text in read_texts(on_white(sheet.fine))
+    )
+
+
+@cache
+def _reader() -> PageReader:
+    return load_reader(checkpoint_folder(READER_CHECKPOINT))
+
+
+def _no_room() -> PlanError:
+    return PlanError(
+        "no closed room was found",
+        expected="a floor plan: rooms seen from above, with walls round them",
+        try_="a clearer picture, cut to one floor",
+    )
+
+
+def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]:
+    """One plan of the sheet, and what to say if there are more. Raises PlanError."""
+    if not reading.outlines:
+        raise _no_room()
+    parts = parts_of([outline.polygon_px for outline in reading.outlines], reading.regions)
+    if part > len(parts):
+        raise NoSuchPartError(
+            f"part {part} was asked for, but the sheet shows {len(parts)}",
+            expected=f"--part 1 to {len(parts)}" if len(parts) > 1 else "no --part",
+        )
+    chosen = reading.of(parts[part - 1])
+    if len(parts) == 1:
+        return chosen, []
+    which = "the largest was taken" if part == 1 else f"number {part} by size was taken"
+    return chosen, [f"{_SHOWS}{len(parts)} plans; {which}, --part N takes another"]
+
+
+def _scale(reading: SeenReading, page: _Page) -> Scale:
+    polygons = [outline.polygon_px for outline in reading.outlines]
+    printed = estimates(page.texts, polygons, page.ink)
+    known, shrink = page.known, page.sheet.shrink
+    if known.stated_m_per_px:
+        printed.append(Estimate(STATED, known.stated_m_per_px / shrink, "1:n"))
+    paper = known.paper_m_per_px and known.paper_m_per_px / shrink
+    walls = WALL_THICKNESS_M / max(reading.regions.thickness_px, 1.0)
+    kinds = [room.kind for room in _labelled_rooms(reading, page, reading.frame)]
+    areas = [Polygon(polygon).area for polygon in polygons]
+    # Of an open plan, the floor is that of a whole home.
+    rooms = scale_by_home(areas) if known.is_open else scale_by_rooms(kinds, areas)
+    doors = reading.entrance_m_per_px if known.is_open else reading.doors_m_per_px
+    return choose_scale(printed, doors, walls, page.given, rooms, paper)
+
+
+def _plan(reading: SeenReading, page: _Page, frame: PixelFrame, seen: SeenKinds) -> Plan:
+    """Rooms with what they are for, and the openings in their walls."""
+    areas_m2 = [Polygon(o.polygon_px).area * frame.m_per_px**2 for o in reading.outlines]
+    rooms = _labelled_rooms(reading, page, frame, areas_m2, seen)
+    openings = reading.placed([room.id for room in rooms], frame)
+    plan = Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
+    if page.known.is_open:
+        return plan
+    named = {room.id: uses_named(room, page.texts, frame) for room in rooms}
+    return part_open_plans(plan, named, seen)
+
+
+def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]]]:
+    """The stairs seen in the plan's rooms: corners, centimetres."""
+    house = shapely.union_all([room_polygon(room) for room in plan.rooms])
+    outlines = [m_from_px(o, frame) for o in stair_outlines(page.segments, frame.m_per_px)]
+    return [
+        [[round(cm_from_m(at), 1) for at in corner] for corner in outline]
+        for outline in outlines
+        if Polygon(outline).intersection(house).area > 0.5 * Polygon(outline).area
+    ]
+
+
+def _labelled_rooms(
+    reading: SeenReading,
+    page: _Page,
+    frame: PixelFrame,
+    areas_m2: Sequence[float] = (),
+    seen: SeenKinds | None = None,
+) -> tuple[Room, ...]:
+    """Rooms with what they are for. areas_m2: of each; seen: on its floor, where they are known."""
+    outlined = [
+        Room("", "unknown", frozen_array(m_from_px(o.polygon_px, frame)), extra=_extra(o, frame))
+        for o in reading.outlines
+    ]
+    named = named_by_texts(outlined, page.texts, frame)
+    chances = np.array([outline.kinds for outline in reading.outlines])
+    told: list[RoomKind] = [
+        "corridor" if room.kind == "unknown" and is_stairwell(outline) else room.kind
+        for room, outline in zip(named, reading.outlines, strict=True)
+    ]
+    uses = [uses_named(room, page.texts, frame) for room in named]
+    # Without the seen kinds the scale is not known yet: sizes then tell more than names.
+    elsewhere = uses_elsewhere(named, uses, seen) if seen else ()
+    found = kinds_of_home(chances, areas_m2, told, page.is_home, elsewhere)
+    return numbered([
+        seen_as(room, kind if own == "unknown" else own, sure)
+        for room, own, (kind, sure) in zip(named, told, found, strict=True)
+    ])  # fmt: skip
+
+
+def _extra(outline: Outline, frame: PixelFrame) -> dict[str, float]:
+    open_m = round(outline.open_px * frame.m_per_px, 2)
+    inside_m2 = round(outline.surrounded_px2 * frame.m_per_px**2, 1)
+    return {
+        CONFIDENCE: outline.confidence,
+        **({OPEN: open_m} if open_m > _OPEN_M else {}),
+        **({SURROUNDS: inside_m2} if inside_m2 >= _SURROUNDED_M2 else {}),
+    }

@@ -1,0 +1,202 @@
+"""Which of several witnesses to believe about a drawing's scale, and how well they agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from chord_usd.base.scene.types import BoolArray, FloatArray
+from chord_usd.line.plan.paper_scale import usual_scale
+from chord_usd.line.plan.printed import Estimate
+
+SCALE = "scale"
+"""Key of Plan.extra: what Scale.report says."""
+
+USUAL_DOOR_M = 0.8
+"""Between the jambs, inside a home."""
+
+_SAME = math.log(1.06)
+"""Printed measures within this of one another say the same."""
+
+_BELIEVABLE = math.log(1.9)
+"""A lone printed measure farther from what doors and walls say was misread."""
+
+_ODD = math.log(1.6)
+"""Witnesses farther apart than this are worth a warning."""
+
+_APART = math.log(1.25)
+"""Doors and rooms that are blended and differ by more contradict each other."""
+
+LEAST_AGREEMENT = 0.4
+"""Where fewer of a witness's measures say the same they agree by chance, and are not believed."""
+
+_TRUST = {
+    "room sizes": 3.0, "dimension lines": 2.0, "scale bar": 4.0, "room areas": 1.5,
+    "stated scale": 4.0,
+}  # fmt: skip
+"""Areas are rounded, and count wardrobes in one country and not in the other."""
+
+_CONFIDENCE = {"given": 1.0, "file": 1.0, "paper": 0.7, "doors": 0.6, "rooms": 0.5, "walls": 0.4}
+
+_SPREAD = {"doors": 0.2, "walls": 0.45}
+"""Standard deviation of the logarithm of what they say."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Metres per pixel of a drawing, and why."""
+
+    m_per_px: float
+    witness: str
+    """Given, file, paper, doors, rooms, walls, or a printed measure: see printed.Estimate."""
+    count: int = 1
+    """How many measures speak for it."""
+    agreement: float = 1.0
+    """Share of that witness's measures that do; of blended witnesses, of their weight."""
+    others: dict[str, float] = field(default_factory=dict)
+    """Metres per pixel by every witness heard."""
+    disagreement: str = ""
+    """Which printed measures were not believed, and why."""
+
+    @property
+    def confidence(self) -> float:
+        """From 0 to 1."""
+        if self.witness in _CONFIDENCE:
+            return _CONFIDENCE[self.witness]
+        return min(0.98, 0.6 + 0.12 * self.count) * (0.5 + 0.5 * self.agreement)
+
+    def _odd(self, name: str) -> float:
+        """How far a witness may differ. Walls are drawn thick and thin; doors know better."""
+        if name != "walls":
+            return _ODD
+        return math.inf if "doors" in self.others else _BELIEVABLE
+
+    def report(self, per_picture_px: float = 1.0) -> dict[str, Any]:
+        """For JSON. per_picture_px: pixels that were read, per pixel of the user's picture."""
+        return {
+            "mPerPx": round(self.m_per_px * per_picture_px, 6),
+            "witness": self.witness,
+            "measures": self.count,
+            "agreement": round(self.agreement, 2),
+            "confidence": round(self.confidence, 2),
+            "says": {k: round(v * per_picture_px, 6) for k, v in sorted(self.others.items())},
+        }
+
+    def warnings(self) -> list[str]:
+        """What a user should know of the scale."""
+        if self.disagreement:
+            return [f"{self.disagreement}; the scale is taken from {self.witness}: check --scale"]
+        if self.witness == "doors" and "rooms" in self.others:
+            apart = abs(math.log(self.others["rooms"] / self.others["doors"]))
+            if apart > _APART:
+                return [
+                    "the scale lies between what doors and the usual sizes of rooms say, which"
+                    f" differ {math.exp(apart):.2f} times: check --scale"
+                ]
+        rest = {name: math.log(v / self.m_per_px) for name, v in self.others.items()}
+        odd = [
+            f"{name} say {math.exp(ratio):.2f} times that"
+            for name, ratio in rest.items()
+            if abs(ratio) > self._odd(name)
+        ]
+        if odd and self.witness not in ("given", "file"):
+            return [f"the scale is taken from {self.witness}, but {', '.join(odd)}: check --scale"]
+        if self.witness in ("rooms", "walls"):
+            guess = "the usual sizes of rooms" if self.witness == "rooms" else "the walls"
+            return [f"no printed measure and no door gives the scale; it is a guess from {guess}"]
+        return []
+
+
+def per_unit(report: Mapping[str, Any], units_per_px: float) -> dict[str, Any]:
+    """Scale.report of a picture, for the units of the file that the picture was drawn from."""
+    says = {name: round(value / units_per_px, 6) for name, value in report["says"].items()}
+    return {**report, "mPerPx": round(report["mPerPx"] / units_per_px, 6), "says": says}
+
+
+def choose_scale(
+    printed: Sequence[Estimate],
+    doors: float | None,
+    walls: float,
+    given: float | None = None,
+    rooms: tuple[float, float] | None = None,
+    paper: float | None = None,
+) -> Scale:
+    """The scale by the best witness: the one given, printed measures, or what doors, usual sizes of
+    rooms (scene.room_areas.scale_by_rooms) and walls say together.
+
+    All in metres per pixel. paper: of the sheet, whose usual scale is taken where it is near what
+    the others say. Printed measures count where they agree with one another, or, alone,
+    where the others find them believable.
+    """
+    unprinted = {"walls": (walls, _SPREAD["walls"])}
+    if doors:
+        unprinted["doors"] = doors, _SPREAD["doors"]
+    if rooms:
+        unprinted["rooms"] = rooms
+    others = {name: value for name, (value, _) in unprinted.items()}
+    for name in _TRUST:
+        own = [e.m_per_px for e in printed if e.witness == name and e.is_sure]
+        if own:
+            others[name] = float(np.median(own))
+    if given:
+        return Scale(given, "given", others=others)
+    rough = _together(list(unprinted.values()))
+    found = _consensus(printed, rough)
+    if found is not None and found.agreement >= LEAST_AGREEMENT:
+        return replace(found, others=others)
+    told = ""
+    if found is not None:
+        told = f"only {found.agreement:.0%} of the printed {found.witness} agree"
+    on_paper = paper and usual_scale(rough, paper)
+    if on_paper:
+        return Scale(on_paper, "paper", others=others, disagreement=told)
+    witness = next(name for name in ("doors", "rooms", "walls") if name in unprinted)
+    agreement = _agreement(list(unprinted.values()), rough)
+    return Scale(rough, witness, agreement=agreement, others=others, disagreement=told)
+
+
+def _together(told: Sequence[tuple[float, float]]) -> float:
+    """The mean of what witnesses say, each as heavy as it is precise."""
+    logs, spreads = np.log([value for value, _ in told]), np.array([spread for _, spread in told])
+    return float(np.exp(np.average(logs, weights=spreads**-2.0)))
+
+
+def _agreement(told: Sequence[tuple[float, float]], blend: float) -> float:
+    """How much of the weight of blended witnesses is near to what they say together."""
+    logs, spreads = np.log([value for value, _ in told]), np.array([spread for _, spread in told])
+    weights = spreads**-2.0
+    return float(weights[np.abs(logs - math.log(blend)) <= _APART].sum() / weights.sum())
+
+
+def _consensus(printed: Sequence[Estimate], rough: float) -> Scale | None:
+    """What most measures say, the best of those that agree well; None for none believable."""
+    if not printed:
+        return None
+    logs = np.log([e.m_per_px for e in printed])
+    weights = np.array([_TRUST[e.witness] * (1.0 if e.is_sure else 0.5) for e in printed])
+    near = np.abs(logs[:, None] - logs[None, :]) < _SAME
+    # Of clusters that are as heavy, the one nearer to the usual size of doors and walls.
+    off = np.abs(logs - math.log(rough))
+    believable = off < (_BELIEVABLE if len(printed) < 3 else 2 * _BELIEVABLE)
+    heaviness = near @ weights - 0.5 * off
+    order = [int(i) for i in np.argsort(-heaviness, kind="stable") if believable[i]]
+    clusters = [_cluster(printed, near[i], logs, weights) for i in order]
+    agreed = (cluster for cluster in clusters if cluster.agreement >= LEAST_AGREEMENT)
+    return next(agreed, clusters[0] if clusters else None)
+
+
+def _cluster(
+    printed: Sequence[Estimate], own: BoolArray, logs: FloatArray, weights: FloatArray
+) -> Scale:
+    """The scale of measures that say the same, by the witness that says most of it."""
+    center = float(np.exp(np.average(logs[own], weights=weights[own])))
+    names = [printed[i].witness for i in np.flatnonzero(own)]
+    witness = max(set(names), key=lambda n: (names.count(n) * _TRUST[n], n))
+    said = {e.text for e in printed if e.witness == witness}
+    agreeing = {(printed[i].witness, printed[i].text) for i in np.flatnonzero(own)}
+    own_words = sum(name == witness for name, _ in agreeing)
+    return Scale(center, witness, len(agreeing), own_words / len(said))

@@ -1,0 +1,62 @@
+"""Storeys in a DXF drawing: layers that begin with their names, as chord-usd writes them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from shapely.geometry import Polygon
+from shapely.ops import unary_union
+
+from chord_usd.base.scene.geometry import polygons_of
+from chord_usd.base.scene.stair_elements import StairForm
+from chord_usd.base.scene.stair_places import StairShape
+
+_STOREY = re.compile(r"(Storey_\d{1,2})-")
+_STEPS = "-STAIRS"
+_TOUCH = 0.01
+"""Steps that are no farther apart are of one stair; in units, which are metres."""
+
+_RECTANGULAR = 0.95
+"""Share of the least rectangle around it that a step fills, where it is not tapered."""
+
+
+def by_storey(flat: Sequence[Any]) -> list[tuple[str, list[Any]]]:
+    """What is drawn of each storey, by layers that begin with its name, as chord-usd writes them;
+    all of it, without a name, where no layer does."""
+    found: dict[str, list[Any]] = {}
+    for entity in flat:
+        named = _STOREY.match(entity.dxf.layer) if entity.dxf.hasattr("layer") else None
+        if named:
+            found.setdefault(named[1], []).append(entity)
+    return sorted(found.items()) or [("", list(flat))]
+
+
+def stairs_of(
+    entities: Sequence[Any], points_of: Callable[[Any], list[tuple[float, float]]]
+) -> list[StairShape]:
+    """The stairs up from a storey, by the outlines of their steps."""
+    steps = [
+        (float(one.dxf.elevation), Polygon(points))
+        for one in entities
+        if one.dxftype() == "LWPOLYLINE" and one.closed and one.dxf.layer.endswith(_STEPS)
+        and len(points := points_of(one)) > 3
+    ]  # fmt: skip
+    found = []
+    for part in polygons_of(unary_union([area.buffer(_TOUCH) for _, area in steps])):
+        own = sorted((row for row in steps if part.covers(row[1])), key=lambda row: row[0])
+        ends = [np.array(area.centroid.coords[0]) for _, area in (own[0], own[-1])]
+        rise = float(np.hypot(*(ends[1] - ends[0])))
+        up = (ends[1] - ends[0]) / rise if rise > 0.0 else None
+        are_tapered = [_is_tapered(area) for _, area in own]
+        forms: tuple[StairForm, ...] = ("winder_L", "winder_U") if any(are_tapered) else ()
+        forms = ("spiral",) if all(are_tapered) else forms
+        whole = max(polygons_of(part.buffer(-_TOUCH)), key=lambda one: one.area)
+        found.append(StairShape(whole, up, (ends[0], ends[1]), forms))
+    return found
+
+
+def _is_tapered(step: Polygon) -> bool:
+    return bool(step.area < _RECTANGULAR * step.minimum_rotated_rectangle.area)

@@ -1,0 +1,1 @@
+"""Writes a stage: rooms, furniture, lights, looks, physics."""

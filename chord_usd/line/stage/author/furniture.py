@@ -1,0 +1,197 @@
+"""Furniture, what stands on it, and dressing: placed references to components.
+
+A component may not contain a component, so a piece that carries others becomes a group: the group
+holds the placement, beside the piece itself stand its Items. Everything else is one reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from pxr import Sdf
+
+from chord_usd.base.scene.articulation import ARTICULATION
+from chord_usd.base.scene.geometry import footprint
+from chord_usd.base.scene.palette import Level, category
+from chord_usd.base.scene.types import Asset, Box, FloatArray, Item
+from chord_usd.line.stage.author.names import NamedItem, NamedRoom
+from chord_usd.line.stage.author.opening_pieces import let_open
+from chord_usd.line.stage.author.physics import define_colliders, give_body, mass_of, write_collider
+from chord_usd.line.stage.author.prims import (
+    bind,
+    define,
+    define_class,
+    hint_extent,
+    identify,
+    inherit,
+    label,
+    new_layer,
+    note,
+    note_size,
+    place,
+    write_mesh,
+)
+from chord_usd.line.stage.author.surfaces import PLAIN_SURFACES, write_surface
+from chord_usd.line.stage.author.variants import Wardrobe
+from chord_usd.line.stage.export.packages import Packages
+from chord_usd.line.stage.shell.mesh import cuboid, mesh_of
+
+PLACEHOLDER = "Placeholder"
+"""Name of the plain box that stands in for an item without a mesh."""
+
+
+FURNITURE, DRESSING = "Furniture", "Dressing"
+"""Names of the groups of a room that hold its things."""
+
+
+def place_furniture(
+    layer: Sdf.Layer, room: NamedRoom, assets: Packages, scratch: Path, wardrobe: Wardrobe
+) -> None:
+    """Write the Furniture group of a room.
+
+    scratch: a folder that is thrown away later, where a placeholder can be drawn. wardrobe: which
+    variants of its components the furniture wears.
+    """
+    _place_all(layer, FURNITURE, room.items, _Shop(room, assets, scratch, wardrobe))
+
+
+def place_dressing(
+    layer: Sdf.Layer, room: NamedRoom, assets: Packages, scratch: Path, wardrobe: Wardrobe
+) -> None:
+    """Write the Dressing group of a room; arguments as place_furniture takes."""
+    _place_all(layer, DRESSING, room.dressing, _Shop(room, assets, scratch, wardrobe))
+
+
+def _place_all(layer: Sdf.Layer, name: str, items: Iterable[NamedItem], shop: _Shop) -> None:
+    group = define(layer, f"{shop.named.path}/{name}", "Xform", kind="group")
+    for named in items:
+        _place(layer, group.path, named, shop)
+
+
+@dataclass(frozen=True)
+class _Shop:
+    """Where the components of a room come from."""
+
+    named: NamedRoom
+    assets: Packages
+    scratch: Path
+    wardrobe: Wardrobe
+
+    @cached_property
+    def carriers(self) -> dict[str, Item]:
+        """Furniture and dressing of the room, by id."""
+        return {one.item.id: one.item for one in (*self.named.items, *self.named.dressing)}
+
+
+def extent_of(items: Iterable[Item]) -> FloatArray:
+    """(2, 3) bounds of items of a room, in the world; what stands on them is left out."""
+    corners = [
+        [*corner, z]
+        for item in items
+        for corner in footprint(item.box)
+        for z in (item.box.center_m[2], item.box.top_m)
+    ]
+    return np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
+
+
+def _place(layer: Sdf.Layer, parent: Sdf.Path, named: NamedItem, shop: _Shop) -> None:
+    path = parent.AppendChild(named.name)
+    if not named.children:
+        _refer(layer, path, named, shop, placed=True)
+        return
+    group = define(layer, path, "Xform", kind="group")
+    place(group, at_m=named.item.box.center_m, yaw_deg=named.item.box.yaw_deg)
+    _refer(layer, path.AppendChild(named.label), named, shop, placed=False)
+    items = define(layer, path.AppendChild("Items"), "Xform", kind="group")
+    for child in named.children:
+        _place(layer, items.path, child, shop)
+
+
+def _refer(
+    layer: Sdf.Layer, path: Sdf.Path, named: NamedItem, shop: _Shop, *, placed: bool
+) -> None:
+    """An instance of the item's asset, scaled so that it fills the item's box exactly."""
+    item = named.item
+    asset = item.asset or _placeholder(shop.scratch)
+    prim = define(layer, path, "Xform", kind="component", name=category(item.category).label)
+    prim.referenceList.prependedItems.append(Sdf.Reference(shop.assets.add(asset.usd_path)))
+    chosen = shop.wardrobe.selections(item, shop.named.room)
+    for variant_set, variant in chosen.items():
+        prim.variantSelections[variant_set] = variant
+    box: Box = item.box
+    scale = np.array(box.size_m) / np.array(asset.size_m)
+    if placed:
+        place(prim, at_m=box.center_m, yaw_deg=box.yaw_deg, scale=scale)
+    else:
+        place(prim, scale=scale)
+    label(prim, "category", item.category)
+    note(prim, node_id=item.id, category=item.category, score=item.score, usd_path=str(path))
+    if item.facts.ood is not None:
+        note(prim, ood=item.facts.ood)
+    if category(item.category).level is Level.DRESSING:
+        note(prim, level=Level.DRESSING.value)
+    if item.facts.rests_on is not None:
+        note(prim, rests_on=item.facts.rests_on)
+    _note_origin(prim, item)
+    note_size(prim, box.size_m)
+    mass_kg = mass_of(prim, item, shop.carriers)
+    if ARTICULATION in chosen:
+        let_open(layer, prim, mass_kg)
+        return
+    prim.instanceable = True
+    if mass_kg is not None:
+        give_body(prim, mass_kg)
+
+
+def _note_origin(prim: Sdf.PrimSpec, item: Item) -> None:
+    """Where in the layout raster it was seen, and how far mesh and place are from that."""
+    facts = item.facts
+    if facts.source_px:
+        note(prim, source_px=np.array(facts.source_px, dtype=np.float64))
+    if item.asset is not None:
+        missed_m = np.subtract(item.asset.size_m[:2], item.box.size_m[:2])
+        distance_m = facts.asset_distance_m
+        if distance_m is None:
+            distance_m = round(float(np.hypot(*missed_m)), 6)
+        note(prim, asset_distance_m=distance_m)
+    if facts.edits:
+        # A text, since Blender's import passes over lists of them.
+        rules = "; ".join(dict.fromkeys(edit.rule for edit in facts.edits))
+        note(prim, moved_m=item.moved_m, edited_by=rules)
+
+
+def _placeholder(scratch: Path) -> Asset:
+    """A component that is a box of one metre; drawn on first use."""
+    interface = scratch / PLACEHOLDER / f"{PLACEHOLDER}.usda"
+    if not interface.exists():
+        interface.parent.mkdir(parents=True)
+        _draw_placeholder(interface)
+    return Asset(PLACEHOLDER, "", (1.0, 1.0, 1.0), interface)
+
+
+def _draw_placeholder(interface: Path) -> None:
+    root = Sdf.Path.absoluteRootPath.AppendChild(PLACEHOLDER)
+    mesh = mesh_of(cuboid((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)))
+    payload = new_layer(interface.with_name("payload.usdc"), PLACEHOLDER)
+    define(payload, root, "Xform")
+    define(payload, root.AppendChild("Geometry"), "Scope")
+    define(payload, root.AppendChild("Materials"), "Scope")
+    material = root.AppendPath(f"Materials/{PLACEHOLDER}")
+    write_surface(payload, material, PLAIN_SURFACES[PLACEHOLDER])
+    prim = write_mesh(payload, root.AppendPath("Geometry/Box"), mesh)
+    bind(prim, material)
+    define_colliders(payload, root.AppendChild("Colliders"))
+    whole = Box((0.0, 0.0, 0.0), (1, 1, 1), 0.0)
+    write_collider(payload, root.AppendPath("Colliders/Box"), whole, material)
+    payload.Save()
+    layer = new_layer(interface, PLACEHOLDER)
+    component = define(layer, root, "Xform", kind="component")
+    identify(component, PLACEHOLDER, f"./{interface.name}")
+    inherit(component, define_class(layer, PLACEHOLDER))
+    hint_extent(component, mesh.extent_m())
+    component.payloadList.prependedItems.append(Sdf.Payload("./payload.usdc"))
+    layer.Save()

@@ -1,0 +1,211 @@
+"""The house's variant set `lighting`: a day with sky and sun, an evening and a night by the lamps.
+
+Only brightness and colour vary; where the lamps hang is said once, in their rooms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from pxr import Gf, Sdf
+from shapely.geometry import Polygon
+
+from chord_usd.base.raster.hdri import developed
+from chord_usd.base.scene.skies import SKIES, TIMES, Rgb, Sky, Sun, Time, dome_turn_deg, skies_with
+from chord_usd.base.scene.tunnels import Tunnel
+from chord_usd.base.scene.types import ByteArray, FloatArray
+from chord_usd.base.scene.units import rotation_2d
+from chord_usd.line.stage.author.lights import Lamp
+from chord_usd.line.stage.author.prims import (
+    Types,
+    add_variants,
+    attribute,
+    define,
+    note,
+    over,
+    set_op_order,
+)
+from chord_usd.line.stage.shell.ground import lay_ground
+from chord_usd.line.stage.shell.walls import Walls
+
+SCOPE = "/House/Lighting"
+_SUN_BESIDE_DEG = 25.0
+"""The sun stands this far beside the direction most windows look to: light falls in slantwise."""
+
+_SUN_ANGLE_DEG = 1.2
+"""A little larger than the real sun, as on a hazy day: soft edges cost fewer samples."""
+
+_SKY_PX = (64, 64)
+"""Width and height of a drawn sky's picture; it only varies with height."""
+
+_CREDIT = {"author": "Greg Zaal, Poly Haven", "licence": "CC0"}
+"""Of the HDRIs of Blender's wheel, as told beside them; our carrying them without their sun is a
+change that CC0 allows."""
+
+Stops = Sequence[tuple[float, Rgb]]
+
+
+@dataclass(frozen=True)
+class Mood:
+    """How lamps shine in one choice of the variant set, as shares of their full brightness."""
+
+    panels: tuple[float, float]
+    """The area lights of rooms with windows, and without."""
+    panels_k: float
+    """Colour temperature of the area lights."""
+    lamps: float
+    """All others: floor, table, wall, ceiling and pendant lamps."""
+
+
+MOODS: dict[Time, Mood] = {
+    "day": Mood((0.25, 1.0), 5200.0, 0.0),
+    "evening": Mood((0.12, 0.25), 3500.0, 1.0),
+    "night": Mood((0.05, 0.12), 3200.0, 1.0),
+}
+"""The first is selected where no sky of another time was chosen."""
+
+
+def set_lighting(
+    layer: Sdf.Layer, lamps: Sequence[Lamp], walls: Walls, folder: Path, sky: Sky = SKIES[0]
+) -> None:
+    """Write the variant set, what it lights the house with, and the ground around.
+
+    folder: beside the layer's file, for the pictures of sky and ground. sky: what is seen at its
+    time, which is selected; the others see the usual ones. Raises ChordError for a sky whose file
+    is no HDRI.
+    """
+    define(layer, SCOPE, "Scope")
+    house = layer.GetPrimAtPath("/House")
+    yaw_deg = sun_yaw_deg(walls)
+    note(layer.GetPrimAtPath(SCOPE), sun_yaw_deg=yaw_deg)
+    variants = dict(zip(TIMES, add_variants(house, "lighting", TIMES), strict=True))
+    house.variantSelections["lighting"] = sky.time
+    skies = skies_with(sky)
+    for time, variant in variants.items():
+        shine(variant, lamps, MOODS[time])
+        seen = _hang_sky(variant, skies[time], yaw_deg, folder)
+        if seen.sun:
+            _hang_sun(variant, seen.sun, yaw_deg)
+    floors = np.vstack([np.asarray(floor.exterior.coords) for floor in walls.floors_m])
+    middle = (floors.min(axis=0) + floors.max(axis=0)) / 2
+    lay_ground(layer, middle[:2], "paving" if skies["day"].name == "overcast" else "lawn", folder)
+
+
+def shine(variant: Sdf.PrimSpec, lamps: Iterable[Lamp], mood: Mood) -> None:
+    """Say in a variant of the house how bright lamps are."""
+    for lamp in lamps:
+        spec = over(variant, *str(lamp.path).split("/")[2:])
+        share = mood.panels[0 if lamp.by_window else 1] if lamp.is_panel else mood.lamps
+        attribute(spec, "inputs:intensity", Types.Float, share * lamp.intensity)
+        if lamp.is_panel:
+            attribute(spec, "inputs:colorTemperature", Types.Float, mood.panels_k)
+
+
+def forget(house: Sdf.PrimSpec, lamps: Iterable[Sdf.Path]) -> None:
+    """Take what the variants say of lamps out again."""
+    for variant in house.variantSets["lighting"].variants.values():
+        for path in lamps:
+            spec = variant.primSpec
+            for name in str(path.GetParentPath()).split("/")[2:]:
+                spec = spec and spec.nameChildren.get(name)
+            if spec and path.name in spec.nameChildren:
+                del spec.nameChildren[path.name]
+
+
+def variants_of(house: Sdf.PrimSpec) -> Mapping[Time, Sdf.PrimSpec]:
+    """What each choice of `lighting` says, in a house that was written before."""
+    found = house.variantSets["lighting"].variants if "lighting" in house.variantSets else {}
+    return {time: found[time].primSpec for time in TIMES if time in found}
+
+
+def sun_yaw_deg(walls: Walls) -> float:
+    """Direction towards the sun, counter-clockwise from +x: where most glass can see it."""
+    candidates = np.arange(0.0, 360.0, 15.0)
+    floors = {room.id: floor for room, floor in zip(walls.rooms, walls.floors_m, strict=True)}
+    windows = _windows(walls.tunnels.values())
+    normals = [_outward(t, floors.get(_owner(t), walls.floors_m[0])) for t in windows]
+    if not normals:
+        return 225.0
+    sides = np.array(normals)
+    towards = np.column_stack([np.cos(np.radians(candidates)), np.sin(np.radians(candidates))])
+    lit = np.maximum(towards @ sides.T, 0.0).sum(axis=1)
+    return float(candidates[int(np.argmax(np.round(lit, 6)))]) + _SUN_BESIDE_DEG
+
+
+def _windows(tunnels: Iterable[Tunnel]) -> list[Tunnel]:
+    """Those that lead outside."""
+    return [t for t in tunnels if t.opening.kind == "window" and len(t.opening.room_ids) < 2]
+
+
+def _owner(tunnel: Tunnel) -> str:
+    """Id of the room that a window belongs to, "" for none."""
+    return tunnel.opening.room_ids[0] if tunnel.opening.room_ids else ""
+
+
+def _outward(tunnel: Tunnel, floor: Polygon) -> FloatArray:
+    """(2,) direction a room's window looks to, as long as its glass has square metres."""
+    box = tunnel.opening.box
+    normal = rotation_2d(box.yaw_deg)[:, 1]
+    inside = floor.representative_point().coords[0]
+    if float((np.array(inside) - np.array(box.center_m[:2])) @ normal) > 0.0:
+        normal = -normal
+    area: FloatArray = normal * box.size_m[0] * (tunnel.high_m - tunnel.low_m)
+    return area
+
+
+def _hang_sun(variant: Sdf.PrimSpec, shining: Sun, yaw_deg: float) -> None:
+    sun = _light(variant, "Sun", "DistantLight")
+    attribute(sun, "inputs:angle", Types.Float, _SUN_ANGLE_DEG)
+    attribute(sun, "inputs:intensity", Types.Float, shining.irradiance)
+    # Else the intensity would be a radiance of the disc, and a larger sun a brighter one.
+    attribute(sun, "inputs:normalize", Types.Bool, True)
+    attribute(sun, "inputs:enableColorTemperature", Types.Bool, True)
+    attribute(sun, "inputs:colorTemperature", Types.Float, shining.kelvin)
+    turn = Gf.Vec3f(90.0 - shining.height_deg, 0.0, yaw_deg + 90.0)
+    attribute(sun, "xformOp:rotateXYZ", Types.Float3, turn)
+    set_op_order(sun, ["xformOp:rotateXYZ"])
+
+
+def _hang_sky(variant: Sdf.PrimSpec, wanted: Sky, yaw_deg: float, folder: Path) -> Sky:
+    """Write a DomeLight; returns the sky with the sun that its picture had."""
+    picture = developed(wanted)
+    dome = _light(variant, "Sky", "DomeLight")
+    attribute(dome, "inputs:intensity", Types.Float, wanted.radiance)
+    if picture is None:
+        file = folder / f"sky_{wanted.name}.png"
+        Image.fromarray(sky_rgb(wanted.stops)).save(file)
+        turn_deg = 0.0
+    else:
+        file = folder / f"sky_{wanted.time if wanted.file else wanted.name}.exr"
+        file.write_bytes(picture.exr)
+        wanted = picture.sky
+        turn_deg = dome_turn_deg(wanted.sun_at_deg, yaw_deg)
+        dome.customData = {"chord": {"label": wanted.title, **({} if wanted.file else _CREDIT)}}
+    path = Sdf.AssetPath(f"./{folder.name}/{file.name}")
+    attribute(dome, "inputs:texture:file", Types.Asset, path)
+    attribute(dome, "inputs:texture:format", Types.Token, "latlong")
+    attribute(dome, "xformOp:rotateX", Types.Double, 90.0)  # a dome's top is +Y
+    attribute(dome, "xformOp:rotateZ", Types.Double, turn_deg)
+    set_op_order(dome, ["xformOp:rotateZ", "xformOp:rotateX"])
+    return wanted
+
+
+def _light(variant: Sdf.PrimSpec, name: str, type_name: str) -> Sdf.PrimSpec:
+    prim = over(variant, "Lighting", name)
+    prim.specifier = Sdf.SpecifierDef
+    prim.typeName = type_name
+    return prim
+
+
+def sky_rgb(stops: Stops) -> ByteArray:
+    """(H, W, 3) uint8 picture of a sky, longitude across, latitude down."""
+    width, height = _SKY_PX
+    latitude = np.pi / 2 - (np.arange(height) + 0.5) / height * np.pi
+    heights = [stop[0] for stop in stops]
+    columns = [np.interp(np.sin(latitude), heights, [s[1][c] for s in stops]) for c in range(3)]
+    rows = np.round(255.0 * np.column_stack(columns)).astype(np.uint8)
+    return np.repeat(rows[:, None, :], width, axis=1)

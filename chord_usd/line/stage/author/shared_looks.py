@@ -1,0 +1,277 @@
+"""Looks that the pieces of a house share, each of them once.
+
+    /House/Looks/PaleOak                       what all that is of pale oak wears
+    /__class__/Desk_A{looks=house}…            lets the pieces of a component wear it, and leaves
+                                               out the component's own Materials
+
+A component brings the materials of its parts, so a house would have nine hundred of them where two
+hundred differ, and readers make each anew. The class is the one that the component itself inherits,
+and what it says holds for the colourways and metals that the house wears: one that is chosen later
+wears the component's own, and so does a piece without the variant. All of it is in a sublayer of
+the house, in its architecture folder.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Tf
+
+from chord_usd.base.runtime.stages import open_layer
+from chord_usd.base.scene.articulation import ARTICULATION, FIXED, JOINTED
+from chord_usd.line.stage.author.prims import apply_schema, attribute, define, over
+from chord_usd.line.stage.author.stage_levels import room_specs
+
+LOOKS = "/House/Looks"
+LOOKS_LAYER = "Looks.usdc"
+LOOKS_SET, OF_HOUSE = "looks", "house"
+"""The variant set, and the variant of pieces that wear the looks of the house."""
+
+_LOOK = "chord:look"
+"""Attribute by which a component tells which of its materials are of one look."""
+
+_PAYLOADS = {FIXED: "payload.usdc", JOINTED: "jointed.usdc"}
+_STRONGEST_FIRST = (ARTICULATION, "metal", "colour")
+"""The variant sets of components that say what is worn."""
+
+_GLOW, _PICTURE = "inputs:emissiveColor", "Texture"
+_FELT, _FELT_BY = "Felt", "physics:"
+
+_Choice = tuple[tuple[str, str], ...]
+"""Variants that are chosen, by their sets."""
+
+
+def share_looks(layer: Sdf.Layer, folder: Path) -> None:
+    """Let the pieces of a house wear looks that they share, in a sublayer in folder.
+
+    layer: of the house, with its pieces. folder: beside the layer's file, as are its assets.
+    """
+    home = Path(layer.realPath).parent
+    worn: dict[tuple[str, _Choice], list[Sdf.PrimSpec]] = {}
+    chosen_in = cache(partial(_chosen_in, home))
+    for piece, file in _pieces(layer):
+        usual = chosen_in(file)
+        if usual is not None:
+            chosen = usual | dict(piece.variantSelections)
+            choice = tuple((name, chosen[name]) for name in _STRONGEST_FIRST if name in chosen)
+            worn.setdefault((file, choice), []).append(piece)
+    shared = Sdf.Layer.CreateAnonymous(LOOKS_LAYER)
+    define(shared, "/House", "Xform").specifier = Sdf.SpecifierOver
+    define(shared, LOOKS, "Scope")
+    shelf = _Shelf(shared)
+    for (file, choice), pieces in worn.items():
+        if _Component(home / file, dict(choice)).share(shelf, choice):
+            for piece in pieces:
+                piece.variantSelections[LOOKS_SET] = OF_HOUSE
+    if shared.GetPrimAtPath(LOOKS).nameChildren:
+        shared.Export(str(folder / LOOKS_LAYER))
+        layer.subLayerPaths.append(f"./{folder.name}/{LOOKS_LAYER}")
+
+
+def _pieces(layer: Sdf.Layer) -> Iterator[tuple[Sdf.PrimSpec, str]]:
+    """Things that are placed in rooms, with the file that they refer to."""
+    due = [
+        group
+        for room in room_specs(layer)
+        for group in room.nameChildren
+        if group.name in ("Furniture", "Dressing")
+    ]
+    while due:
+        prim = due.pop(0)
+        due += prim.nameChildren
+        for reference in prim.referenceList.prependedItems:
+            yield prim, reference.assetPath
+
+
+def _chosen_in(home: Path, file: str) -> dict[str, str] | None:
+    """The variants that a component chooses; None for one that does not inherit a class of its
+    name, or lies in a folder of another name.
+
+    A package has another name where two of one name differ, and their class is the same.
+    """
+    name = Path(file).stem
+    if Path(file).parent.name != name:
+        return None
+    layer = open_layer(home / file)
+    root = layer.GetPrimAtPath(f"/{name}")
+    if layer.defaultPrim != name or not root:
+        return None
+    if f"/__class__/{name}" not in root.inheritPathList.prependedItems:
+        return None
+    return dict(root.variantSelections)
+
+
+@dataclass
+class _Shelf:
+    """The looks of a house, and what feels alike, while they are written."""
+
+    layer: Sdf.Layer
+    _paths: dict[tuple[object, ...], Sdf.Path] = field(default_factory=dict)
+    _names: dict[str, int] = field(default_factory=dict)
+
+    def find(self, key: tuple[object, ...]) -> Sdf.Path | None:
+        """Where a look is, if it is here already."""
+        return self._paths.get(key)
+
+    def add(self, key: tuple[object, ...], name: str) -> Sdf.Path:
+        """A new place; others of that name have numbers."""
+        self._names[name] = number = self._names.get(name, 0) + 1
+        path = Sdf.Path(LOOKS).AppendChild(name if number == 1 else f"{name}_{number}")
+        self._paths[key] = path
+        return path
+
+
+class _Component:
+    """A component in some of its variants."""
+
+    def __init__(self, interface: Path, chosen: Mapping[str, str]) -> None:
+        self._name = interface.stem
+        self._folder = interface.parent
+        self._from_looks = f"../{interface.parent.parent.name}/{interface.parent.name}"
+        self._chosen = [(name, chosen[name]) for name in _STRONGEST_FIRST if name in chosen]
+        self._payload = self._open(_PAYLOADS[FIXED])
+        form = chosen.get(ARTICULATION, FIXED)
+        self._shapes = self._open(_PAYLOADS.get(form, ""))
+
+    def _open(self, file: str) -> Sdf.Layer | None:
+        path = self._folder / file
+        return open_layer(path) if file and path.is_file() else None
+
+    def share(self, shelf: _Shelf, choice: _Choice) -> bool:
+        """Write into its class what lets pieces in these variants wear looks of the house; False,
+        and nothing written, where it does not tell them apart."""
+        scope = self._payload and self._payload.GetPrimAtPath(f"/{self._name}/Materials")
+        if not scope or not self._shapes:
+            return False
+        slots = list(scope.nameChildren)
+        if not all(self._value(slot, f".{_LOOK}") for slot in slots):
+            return False
+        looks = {slot.path: self._look(slot, shelf) for slot in slots}
+        feels = {slot.path: self._feel(slot, shelf) for slot in slots}
+        own = _variant_of_class(shelf.layer, self._name, choice)
+        over(own, "Materials").SetInfo("active", False)
+        root = self._shapes.GetPrimAtPath(f"/{self._name}")
+        bound_to = {"material:binding": looks, "material:binding:physics": feels}
+        for part in root.nameChildren:
+            for prim in _below(part) if part.name != "Materials" else ():
+                for bound in prim.relationships:
+                    slot_path = next(iter(bound.targetPathList.GetAppliedItems()), None)
+                    target = bound_to.get(bound.name, {}).get(slot_path)
+                    if target:
+                        names = str(prim.path.MakeRelativePath(root.path)).split("/")
+                        spec = Sdf.RelationshipSpec(over(own, *names), bound.name, custom=False)
+                        spec.targetPathList.explicitItems = [target]
+        return True
+
+    def _said_of(self, slot: Sdf.PrimSpec) -> Iterator[Sdf.PrimSpec]:
+        """What there is about a material, the strongest first: its own, then the variants'."""
+        yield slot
+        for name, variant in self._chosen:
+            path = Sdf.Path(f"/{self._name}").AppendVariantSelection(name, variant)
+            said = slot.layer.GetPrimAtPath(path.AppendPath(f"Materials/{slot.name}"))
+            if said:
+                yield said
+
+    def _value(self, slot: Sdf.PrimSpec, name: str) -> Any:
+        """Of an attribute of a material, or of a shader in it; None where it has none."""
+        for said in self._said_of(slot):
+            found = said.GetAttributeAtPath(name)
+            if found and found.HasDefaultValue():
+                return found.default
+        return None
+
+    def _look(self, slot: Sdf.PrimSpec, shelf: _Shelf) -> Sdf.Path:
+        """Where the house has what a material looks like."""
+        look = str(self._value(slot, f".{_LOOK}"))
+        # Renderers know by the names of slots what shines; pictures are of the component.
+        glows = any(self._value(slot, f"Surface.{_GLOW}") or ())
+        own = self._name if _PICTURE in slot.nameChildren else ""
+        key = (look, slot.name if glows else "", own)
+        found = shelf.find(key)
+        if found is None:
+            name = look.rpartition("_")[0].title().replace("_", "")
+            found = shelf.add(key, slot.name if glows else Tf.MakeValidIdentifier(name))
+            self._copy(slot, shelf.layer, found)
+        return found
+
+    def _feel(self, slot: Sdf.PrimSpec, shelf: _Shelf) -> Sdf.Path | None:
+        """Where the house has what a material feels like; None where nothing touches it."""
+        # Leaves are felt where the piece in one is not, and say so themselves.
+        moved = self._shapes and self._shapes.GetPrimAtPath(slot.path)
+        own = {one.name: one for said in (moved, slot) if said for one in said.attributes}
+        told = [one for name, one in own.items() if name.startswith(_FELT_BY)]
+        if not told:
+            return None
+        key = tuple((one.name, one.default) for one in told)
+        found = shelf.find(key)
+        if found is None:
+            found = shelf.add(key, _FELT)
+            material = define(shelf.layer, found, "Material")
+            apply_schema(material, "PhysicsMaterialAPI")
+            for one in told:
+                attribute(material, one.name, one.typeName, one.default)
+        return found
+
+    def _copy(self, slot: Sdf.PrimSpec, layer: Sdf.Layer, path: Sdf.Path) -> None:
+        """The material as it is in these variants, without what nothing reads."""
+        for said in reversed([*self._said_of(slot)]):
+            for prim in (said, *_below(said)):
+                inner = prim.path.MakeRelativePath(said.path)
+                made = Sdf.CreatePrimInLayer(
+                    layer, path if prim == said else path.AppendPath(inner)
+                )
+                if prim.specifier == Sdf.SpecifierDef:
+                    made.specifier, made.typeName = prim.specifier, prim.typeName
+                if prim.HasInfo("apiSchemas"):
+                    named = prim.GetInfo("apiSchemas").GetAppliedItems()
+                    apply_schema(made, *(one for one in named if not one.startswith("Physics")))
+                for one in prim.attributes:
+                    if not one.name.startswith(_FELT_BY):
+                        self._copy_attribute(one, made, slot.path, path)
+        material = layer.GetPrimAtPath(path)
+        surface = material.nameChildren["Surface"]
+        if not any(one.connectionPathList.explicitItems for one in surface.attributes):
+            for name in {*material.nameChildren.keys()} - {"Surface"}:
+                del material.nameChildren[name]
+
+    def _copy_attribute(
+        self, one: Sdf.AttributeSpec, prim: Sdf.PrimSpec, was: Sdf.Path, now: Sdf.Path
+    ) -> None:
+        spec = prim.attributes.get(one.name) or Sdf.AttributeSpec(
+            prim, one.name, one.typeName, one.variability, one.custom
+        )
+        value = one.default
+        if isinstance(value, Sdf.AssetPath):
+            value = Sdf.AssetPath(posixpath.normpath(posixpath.join(self._from_looks, value.path)))
+        if value is not None:
+            spec.default = value
+        if one.HasInfo("connectionPaths"):
+            read = [
+                path.ReplacePrefix(was, now) for path in one.connectionPathList.GetAppliedItems()
+            ]
+            spec.connectionPathList.explicitItems = read
+
+
+def _below(prim: Sdf.PrimSpec) -> Iterator[Sdf.PrimSpec]:
+    for child in prim.nameChildren:
+        yield child
+        yield from _below(child)
+
+
+def _variant_of_class(layer: Sdf.Layer, name: str, choice: _Choice) -> Sdf.PrimSpec:
+    """What a component's class says of pieces that wear these variants and looks of the house."""
+    prim = Sdf.CreatePrimInLayer(layer, f"/__class__/{name}")
+    prim.specifier = prim.nameParent.specifier = Sdf.SpecifierClass
+    for set_name, variant in ((LOOKS_SET, OF_HOUSE), *choice):
+        variants = prim.variantSets.get(set_name)
+        if variants is None:
+            variants = Sdf.VariantSetSpec(prim, set_name)
+            prim.variantSetNameList.prependedItems.append(set_name)
+        found = variants.variants.get(variant) or Sdf.VariantSpec(variants, variant)
+        prim = found.primSpec
+    return prim

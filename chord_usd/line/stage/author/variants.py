@@ -1,0 +1,111 @@
+"""Which variants furniture wears: colourways that go together."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from chord_usd.base.runtime.stages import open_layer
+from chord_usd.base.scene.articulation import ARTICULATION, FIXED
+from chord_usd.base.scene.palette import Level, category
+from chord_usd.base.scene.style_finishes import kind_of, metal_like, suitability
+from chord_usd.base.scene.styles import Agreed, HomeStyle
+from chord_usd.base.scene.types import Item, Room
+
+COLOUR, METAL = "colour", "metal"
+"""Names of the variant sets of components."""
+
+_OVER_RUNS = ("wall_cabinet", "cooker_hood")
+
+_AS_GOOD = 0.05
+"""Colourways that suit a home by so little less than the best are as good."""
+
+
+@dataclass(frozen=True)
+class _Offer:
+    """What a component can wear."""
+
+    variants: dict[str, list[str]]
+    """Names of variants by variant set."""
+    finishes: dict[str, list[str]]
+    """Names of the finishes of each colourway, a slot each."""
+
+
+@dataclass
+class Wardrobe:
+    """What there is to wear in a house, and how a room chooses."""
+
+    seed: int = 0
+    style: HomeStyle | None = None
+    """None chooses colourways by the draw alone."""
+    home: Agreed | None = None
+    """What the rooms of the house agree on, of the style."""
+    articulation: str = FIXED
+    """Whether what can open does."""
+    _choices: dict[Path, _Offer] = field(default_factory=dict)
+
+    def selections(self, item: Item, room: Room) -> dict[str, str]:
+        """Variant set to variant for an item of a room; the same seed chooses the same.
+
+        Pieces of one category in one room match, and so do all cabinets of a kitchen.
+        """
+        if item.asset is None:
+            return {}
+        offered = self._offered(item.asset.usd_path)
+        chosen = {}
+        if len(offered.variants.get(COLOUR, ())) > 1:
+            chosen[COLOUR] = self._colourway(offered, item, room)
+        if self.home is not None and METAL in offered.variants:
+            chosen[METAL] = metal_like(self.home.metal)
+        if ARTICULATION in offered.variants:
+            chosen[ARTICULATION] = self.articulation
+        return chosen
+
+    def _offered(self, path: Path) -> _Offer:
+        """What a component offers to choose from."""
+        if path not in self._choices:
+            layer = open_layer(path) if path.is_file() else None
+            root = layer.GetPrimAtPath(f"/{layer.defaultPrim}") if layer else None
+            sets = root.variantSets if root else {}
+            noted = root.customData.get("chord", {}) if root else {}
+            self._choices[path] = _Offer(
+                {name: [*entry.variants.keys()] for name, entry in sets.items()},
+                {name: text.split() for name, text in noted.get("finishes", {}).items()},
+            )
+        return self._choices[path]
+
+    def _colourway(self, offered: _Offer, item: Item, room: Room) -> str:
+        """One of those that suit the home best; which of them, the room and the kind decide."""
+        names = offered.variants[COLOUR]
+        if _is_fitted(item) and self.home is not None:
+            # By the name alone: cabinets over the worktop wear less than those below it.
+            fronts = [name for name in (self.home.lacquer, self.home.wood) if name in names]
+            if fronts:
+                return fronts[self._draw(f"{room.id}/kitchen", len(fronts))]
+        if self.style is not None and self.home is not None:
+            suits = {
+                name: suitability(_that_vary(offered, name), self.style, self.home, item.category)
+                for name in names
+            }
+            names = [name for name in names if suits[name] >= max(suits.values()) - _AS_GOOD]
+        kind = "kitchen" if _is_fitted(item) else item.category
+        return names[self._draw(f"{room.id}/{kind}", len(names))]
+
+    def _draw(self, key: str, count: int) -> int:
+        digest = hashlib.sha256(f"{self.seed}/{key}".encode()).digest()
+        return int.from_bytes(digest[:4], "little") % count
+
+
+def _that_vary(offered: _Offer, colourway: str) -> list[str]:
+    """Finishes of a colourway; fittings do not count where the home says what metal they are."""
+    names = offered.finishes.get(colourway, [colourway])
+    if METAL not in offered.variants:
+        return names
+    return [name for name in names if kind_of(name) != "metal"]
+
+
+def _is_fitted(item: Item) -> bool:
+    """Whether the item is part of a kitchen run, or hangs over one."""
+    row = category(item.category)
+    return row.rooms == ("kitchen",) and (row.level is Level.HOUSE or row.name in _OVER_RUNS)

@@ -1,0 +1,1 @@
+"""Faults of a written stage: the certificate and numbered rules."""

@@ -1,0 +1,232 @@
+"""StageFile -> Report: what `chord-usd check` says about a house (SceneEval, PhyScene, CHOrD).
+
+Every figure is measured on the stage itself: rules on its prims, contact on its meshes, the rest
+by chord_usd.base.metrics on the scene that is read back from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from pxr import Usd
+
+from chord_usd.base.metrics import score_scene
+from chord_usd.base.metrics.complete import Homely, Misplaced, home_lacks
+from chord_usd.base.metrics.overlap import Overlap
+from chord_usd.base.runtime.stages import open_known, open_stage, reading
+from chord_usd.base.scene.types import Item, SceneGraph
+from chord_usd.line.stage.check.check_contact import Collision, collisions, unsupported
+from chord_usd.line.stage.check.check_dressing import (
+    Dressing,
+    Objects,
+    count_objects,
+    measure_dressing,
+)
+from chord_usd.line.stage.check.check_held import Held, underfoot
+from chord_usd.line.stage.check.check_rules import Finding, broken_rules
+from chord_usd.line.stage.check.check_scene import StageScene, read_storeys
+from chord_usd.line.stage.check.check_stairs import stair_faults
+from chord_usd.line.stage.read.stage_walks import stage_walks
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """How far from the layout model's expectation an item is (layout.outlier)."""
+
+    path: str
+    score: float
+    """0 for what it would paint exactly so, about 1 for what it would not have put there."""
+
+
+@dataclass(frozen=True)
+class Missing:
+    """Advice: what a room cannot do without and does not have."""
+
+    path: str
+    pieces: tuple[str, ...]
+    """The most needed first."""
+
+
+@dataclass(frozen=True)
+class Unreachable:
+    """A room that no way leads to from the entrance."""
+
+    path: str
+    shut_by: Literal["furniture", "plan"]
+    """The plan where the empty house has no way in, either."""
+
+
+_SHUT_BY = {"furniture": "pieces shut the way to it", "plan": "the plan gives it no way in"}
+
+
+@dataclass(frozen=True)
+class Report:
+    """What is wrong with a stage, and how good it is. Paths are prim paths."""
+
+    errors: tuple[Finding, ...]
+    collisions: tuple[Collision, ...]
+    out_of_room: tuple[str, ...]
+    blocked_openings: tuple[str, ...]
+    unsupported: tuple[str, ...]
+    empty_rooms: tuple[str, ...]
+    walkable: float
+    reachable_rooms: float
+    por: float
+    piou: float
+    pairs: int
+    ood: tuple[Outlier, ...]
+    """Items that the layout model was asked about, the least expected first."""
+    complete: float
+    """Share of the rooms judged that have what their kind cannot do without; 1 without any."""
+    right: float
+    """The same share, of rooms in which nothing stands wrongly, too."""
+    missing: tuple[Missing, ...]
+    home_lacks: tuple[str, ...]
+    """What no home is without, such as a cooker, and is in none of its rooms."""
+    misplaced: tuple[Misplaced, ...]
+    objects: Objects
+    dressing: Dressing
+    stairs: tuple[str, ...] = ()
+    """Stairs that cannot be walked, and why."""
+    unreachable: tuple[Unreachable, ...] = ()
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What the certificate does not hold for, a line each that begins with a prim path."""
+        return (
+            *(f"{one.path}: {one.message} ({one.rule})" for one in self.errors),
+            *(f"{a.a} runs into {a.b} by {a.depth_m * 100:.1f} cm" for a in self.collisions),
+            *(f"{one} is out of its room" for one in self.out_of_room),
+            *(f"{one} is blocked" for one in self.blocked_openings),
+            *(f"{one} stands on nothing" for one in self.unsupported),
+            *(f"{one} is empty" for one in self.empty_rooms),
+            *self.stairs,
+            *(f"{one.path} cannot be reached: {_SHUT_BY[one.shut_by]}" for one in self.unreachable),
+        )
+
+    @property
+    def flaws(self) -> tuple[str, ...]:
+        """What is not right in rooms and in the home, a line each: advice, no fault."""
+        return (
+            *(f"{one.path} lacks {piece}" for one in self.missing for piece in one.pieces),
+            *(f"{one.item} is {one.fault}" for one in self.misplaced),
+            *(f"the home has no {piece}" for piece in self.home_lacks),
+        )
+
+    @property
+    def holds(self) -> bool:
+        """Whether the certificate holds: a valid stage of a house in which nothing is amiss.
+
+        A room out of reach is amiss, whether furniture shuts it or the plan gives it no way in.
+        walkable, por, piou and ood are scores, not conditions: they also judge the plan, which is
+        given. What is missing or misplaced is advice.
+        """
+        return not self.faults
+
+    @property
+    def valid(self) -> bool:
+        """The same as holds, under its name of earlier versions; goes in the next one."""
+        return self.holds
+
+
+def worse(before: Report, after: Report) -> tuple[str, ...]:
+    """What a change of a house makes worse: faults and flaws of after that before has not."""
+    known = {*before.faults, *before.flaws}
+    return tuple(line for line in (*after.faults, *after.flaws) if line not in known)
+
+
+def check_stage(path: Path, *, own: bool = False) -> Report:
+    """Check a stage. Raises StageError for a file that cannot be opened.
+
+    own: whether this process wrote it, so that it need not be looked through first.
+    """
+    with reading(path):
+        return _reported(open_known(path) if own else open_stage(path))
+
+
+def _reported(stage: Usd.Stage) -> Report:
+    errors = broken_rules(stage)
+    storeys = read_storeys(stage)
+    if not any(scene.graph.rooms for scene in storeys):
+        errors.append(Finding("CHORD015", "/", "has no room with a floor below its Rooms"))
+    scores = [score_scene(scene.graph) for scene in storeys]
+    faults = stair_faults(storeys)
+    walks = stage_walks(storeys, faults) if len(storeys) > 1 else [one.walk for one in scores]
+    overlap = Overlap(
+        sum(one.overlap.pairs for one in scores),
+        tuple(pair for one in scores for pair in one.overlap.overlapping),
+    )
+    whole = _together(storeys)
+    return Report(
+        errors=tuple(errors),
+        collisions=tuple(hit for scene in storeys for hit in _collisions(scene)),
+        out_of_room=tuple(one for own in scores for one in own.out_of_room),
+        blocked_openings=tuple(one for own in scores for one in own.blocked_openings),
+        unsupported=tuple(
+            one for scene in storeys for one in unsupported(scene.items, scene.ground, Held(scene))
+        ),
+        empty_rooms=tuple(one for own in scores for one in own.empty_rooms),
+        walkable=_share(sum(one.walkable * one.walkable_m2 for one in walks),
+                        sum(one.walkable_m2 for one in walks)),
+        reachable_rooms=1.0 - _share(sum(len(one.unreachable) for one in walks),
+                                     sum(one.rooms for one in walks)),
+        por=overlap.por,
+        piou=overlap.piou,
+        pairs=overlap.pairs,
+        ood=_outliers(whole.items),
+        **_advice([room for own in scores for room in own.homely]),
+        home_lacks=home_lacks(whole.items),
+        objects=count_objects(whole),
+        dressing=measure_dressing(stage, storeys),
+        stairs=tuple(f"{path} {told}" for path, told in faults.items()),
+        unreachable=tuple(
+            Unreachable(room, "plan" if room in way.doorless else "furniture")
+            for way in walks for room in way.unreachable
+        ),
+    )  # fmt: skip
+
+
+def _collisions(scene: StageScene) -> list[Collision]:
+    return collisions(scene.items, scene.fixed, underfoot(scene.graph.dressing))
+
+
+def _together(storeys: Sequence[StageScene]) -> SceneGraph:
+    """All storeys as one graph, to count what is in it: places are those of each storey."""
+    graphs = [scene.graph for scene in storeys]
+    return SceneGraph(
+        tuple(room for graph in graphs for room in graph.rooms),
+        tuple(one for graph in graphs for one in graph.openings),
+        tuple(item for graph in graphs for item in graph.items),
+        dressing=tuple(item for graph in graphs for item in graph.dressing),
+    )
+
+
+def _share(part: float, whole: float) -> float:
+    return part / whole if whole else 0.0
+
+
+def _advice(rooms: Sequence[Homely]) -> dict[str, Any]:
+    judged = max(1, len(rooms))
+    return {
+        "complete": 1.0 - sum(not room.complete for room in rooms) / judged,
+        "right": 1.0 - sum(not room.right for room in rooms) / judged,
+        "missing": tuple(Missing(room.room, room.missing) for room in rooms if room.missing),
+        "misplaced": tuple(piece for room in rooms for piece in room.misplaced),
+    }
+
+
+def _outliers(items: Iterable[Item]) -> tuple[Outlier, ...]:
+    asked = [Outlier(item.id, score) for item in items if (score := item.facts.ood) is not None]
+    return tuple(sorted(asked, key=lambda one: -one.score))
+
+
+def certificate(report: Report) -> dict[str, Any]:
+    """The report as `--json` gives it."""
+    fields = {
+        key: list(value) if isinstance(value, tuple) else value
+        for key, value in asdict(report).items()
+    }
+    return {"holds": report.holds, "valid": report.valid, **fields, "faults": list(report.faults)}

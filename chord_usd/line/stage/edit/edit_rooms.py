@@ -1,0 +1,161 @@
+"""Pieces of a written stage moved, removed, locked, brought into other rooms, and new ones beside
+them; the prims of everything else stay as they are, byte for byte.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from pxr import Gf, Sdf
+
+from chord_usd.base.errors import StageError
+from chord_usd.base.runtime.stages import open_layer
+from chord_usd.base.scene.geometry import to_own, to_world
+from chord_usd.base.scene.types import Box, Provenance, StageFile
+from chord_usd.base.scene.units import wrap_deg
+from chord_usd.line.stage.author.furniture import DRESSING
+from chord_usd.line.stage.author.prims import Types, apply_schema, attribute, relate
+from chord_usd.line.stage.author.stage_levels import room_spec, room_specs
+from chord_usd.line.stage.edit.refurnish import (
+    LOCKED,
+    NewFurniture,
+    furnish_layer,
+    require_furniture,
+    rewrite,
+)
+
+_AT, _TURNED = "xformOp:translate", "xformOp:rotateZ"
+
+
+@dataclass(frozen=True, eq=False)
+class PieceChange:
+    """What becomes of a piece that is there. Paths are those of the prim that holds its placement:
+    the piece, or the group around it."""
+
+    path: str
+    was: Box
+    now: Box | None
+    """None where it is removed."""
+    room_name: str = ""
+    """Name of the prim of another room that it is brought into."""
+    locked: bool | None = None
+    """None leaves its lock as it is."""
+
+
+@dataclass(frozen=True, eq=False)
+class RoomsChange:
+    """What becomes of some rooms of a house."""
+
+    pieces: Sequence[PieceChange] = ()
+    rooms: Mapping[str, NewFurniture] = field(default_factory=dict)
+    """New things, by the name of the room's prim, of every room that is changed; what is there and
+    not removed is kept."""
+
+
+def edit_rooms(
+    source: Path, target: Path, change: RoomsChange, accept: Callable[[Path], None] | None = None
+) -> StageFile:
+    """Write source to target with some rooms changed; arguments and errors as rewrite has them."""
+    for name in change.rooms:
+        require_furniture(source, name)
+    made = next((new.made for new in change.rooms.values()), Provenance())
+
+    def edit(path: Path, finals: Sequence[Path]) -> Sdf.Layer:
+        layer = open_layer(path)
+        for piece in change.pieces:
+            _change(layer, piece, source)
+        layer.Save()
+        for name, new in change.rooms.items():
+            groups = _room(layer, name).nameChildren
+            there = [one for group in ("Furniture", DRESSING) if group in groups
+                     for one in groups[group].nameChildren]  # fmt: skip
+            names = [one.name for one in there]
+            layer = furnish_layer(path, finals, replace(new, kept=names))
+        _collect_dressing(layer)
+        layer.Save()
+        return layer
+
+    return rewrite(source, target, edit, made, accept)
+
+
+def _room(layer: Sdf.Layer, name: str) -> Sdf.PrimSpec:
+    found = room_spec(layer, name)
+    if found is None:
+        raise StageError(f"{name} is not in this layer", expected="the stage as it was written")
+    return found
+
+
+def _change(layer: Sdf.Layer, piece: PieceChange, source: Path) -> None:
+    prim = layer.GetPrimAtPath(piece.path)
+    if not prim:
+        raise StageError(
+            f"{piece.path} is not in this layer", where=str(source),
+            expected="the stage as chord-usd wrote it, not one that refers to it",
+        )  # fmt: skip
+    if piece.now is None:
+        del prim.nameParent.nameChildren[prim.name]
+        return
+    if piece.room_name:
+        prim = _brought(layer, prim, piece.room_name)
+    if piece.now != piece.was:
+        _place_anew(prim, piece.was, piece.now, source)
+    if piece.locked is not None:
+        if LOCKED in prim.attributes:
+            del prim.properties[prim.attributes[LOCKED].name]
+        if piece.locked:
+            attribute(prim, LOCKED, Types.Bool, True, custom=True)
+
+
+def _place_anew(prim: Sdf.PrimSpec, was: Box, now: Box, source: Path) -> None:
+    """Move a prim as its box was moved: its origin need not be the middle of its meshes."""
+    if _AT not in prim.attributes or _TURNED not in prim.attributes:
+        raise StageError(
+            f"{prim.path} is not placed as chord-usd places things", where=str(source),
+            expected=f"{_AT} and {_TURNED}",
+        )  # fmt: skip
+    at_m = prim.attributes[_AT].default
+    x, y = to_world(now, to_own(was, [at_m[0], at_m[1]]))
+    rise_m = now.center_m[2] - was.center_m[2]
+    prim.attributes[_AT].default = Gf.Vec3d(float(x), float(y), at_m[2] + rise_m)
+    turned = prim.attributes[_TURNED].default + wrap_deg(now.yaw_deg - was.yaw_deg)
+    prim.attributes[_TURNED].default = wrap_deg(float(turned))
+
+
+def _brought(layer: Sdf.Layer, prim: Sdf.PrimSpec, room_name: str) -> Sdf.PrimSpec:
+    """The prim in the same group of another room, under a name that is free there."""
+    group = _room(layer, room_name).nameChildren.get(prim.nameParent.name)
+    if not group:
+        raise StageError(f"{room_name} has no {prim.nameParent.name} to bring {prim.name} to")
+    stem = prim.name.rsplit("_", 1)[0]
+    number = 0
+    while f"{stem}_{number}" in group.nameChildren:
+        number += 1
+    path, old = group.path.AppendChild(f"{stem}_{number}"), prim.path
+    Sdf.CopySpec(layer, old, layer, path)
+    del prim.nameParent.nameChildren[prim.name]
+    _rename_notes(layer, path, str(old), str(path))
+    return layer.GetPrimAtPath(path)
+
+
+def _rename_notes(layer: Sdf.Layer, path: Sdf.Path, old: str, new: str) -> None:
+    """Let what prims note of their own place say the new one."""
+
+    def visit(at: Sdf.Path) -> None:
+        spec = layer.GetObjectAtPath(at)
+        value = spec.default if isinstance(spec, Sdf.AttributeSpec) else None
+        if isinstance(value, str) and value.startswith(old):
+            spec.default = new + value[len(old) :]
+
+    layer.Traverse(path, visit)
+
+
+def _collect_dressing(layer: Sdf.Layer) -> None:
+    """The collection of dressing, where a house has its first."""
+    house = layer.GetPrimAtPath("/House")
+    rooms = room_specs(layer)
+    groups = [one.path.AppendChild(DRESSING) for one in rooms if DRESSING in one.nameChildren]
+    if groups and "collection:dressing:includes" not in house.relationships:
+        apply_schema(house, "CollectionAPI:dressing")
+        relate(house, "collection:dressing:includes", groups)

@@ -1,0 +1,491 @@
+"""New furniture and dressing for one room of a written stage; every other opinion stays as it is,
+byte for byte.
+
+The stage's own layer is edited and not written anew, so that what an artist has changed elsewhere,
+looks chosen and lights moved, survives.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Usd, UsdUtils
+
+from chord_usd.base.errors import StageError
+from chord_usd.base.runtime.archives import Archive
+from chord_usd.base.runtime.files import deliver, destination, hash_file
+from chord_usd.base.runtime.locations import absolute
+from chord_usd.base.runtime.stages import (
+    ELEVATION,
+    files_of,
+    open_layer,
+    open_stage,
+    own_files,
+    reading,
+)
+from chord_usd.base.scene.articulation import FIXED
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.styles import style_named
+from chord_usd.base.scene.types import Asset, Item, Provenance, Room, SceneGraph, StageFile
+from chord_usd.line.stage.author.attribution import write_attribution
+from chord_usd.line.stage.author.author_stage import ARCHIVE_TIME_S
+from chord_usd.line.stage.author.furniture import (
+    DRESSING,
+    FURNITURE,
+    place_dressing,
+    place_furniture,
+)
+from chord_usd.line.stage.author.lighting import MOODS, forget, shine, variants_of
+from chord_usd.line.stage.author.lights import hang_lamps
+from chord_usd.line.stage.author.names import NamedRoom, name_items, printable, room_title
+from chord_usd.line.stage.author.prims import Types, attribute
+from chord_usd.line.stage.author.stage_levels import ROOMS, STOREY, room_spec
+from chord_usd.line.stage.author.variants import Wardrobe
+from chord_usd.line.stage.check.check_rules import NODE_ID
+from chord_usd.line.stage.check.check_scene import CATEGORY
+from chord_usd.line.stage.export.packages import Packages, is_copy
+from chord_usd.line.stage.read.storey_rooms import storey_of
+from chord_usd.line.stage.views.cameras import clear_camera
+
+SEED = "chord:seed"
+"""Attribute of a room's Furniture: the seed it was drawn with, where not that of the house."""
+
+LOCKED = "chord:locked"
+"""Attribute of a piece, or of the group around it: nothing may change it."""
+
+CHECKPOINT = "chord:checkpoint_hash"
+
+
+@dataclass(frozen=True, eq=False)
+class StagedHouse:
+    """A house read back from its stage."""
+
+    graph: SceneGraph
+    """As it stands: boxes from meshes and transforms, ids as the author noted them. Items have no
+    assets, so that rules leave them as they are."""
+    room_ids: dict[str, str]
+    """Id of each room by the name of its prim, such as Bedroom_0."""
+    seeds: dict[str, int]
+    """The seed each room was furnished with, by the name of its prim."""
+    item_ids: dict[str, str]
+    """Id of each piece of furniture or dressing by the path of its prim, or of the group around
+    it."""
+    is_dressed: bool
+    """Whether its rooms have groups for dressing."""
+    seed: int
+    """Seed of the house."""
+    assets: dict[str, Asset]
+    """By id of a thing that wears one; none of those packed in an archive."""
+    titles: dict[str, str]
+    """What people call each room, by the name of its prim."""
+    locked: frozenset[str] = frozenset()
+    """Ids of the pieces that nothing may change."""
+    storey: str = ""
+    """Name of the group of its rooms, in a house of several storeys: all here is of this one."""
+
+    def kept(self, room_name: str, names: Sequence[str], where: Path) -> dict[str, str]:
+        """Names of prims of a room's furniture and dressing by their ids: those asked for, and what
+        they rest on. Raises StageError."""
+        room = f"{self._room_path(room_name)}/"
+        own = {p.split("/")[-1]: i for p, i in self.item_ids.items() if p.startswith(room)}
+        for name in names:
+            if name not in own:
+                near = get_close_matches(name, own, n=1)
+                raise StageError(
+                    f"has no {name!r} in {room_name}",
+                    where=str(where),
+                    expected=f"one of {', '.join(own)}" if own else "a room with furniture",
+                    try_=f"--keep {near[0]}" if near else "",
+                )
+        name_of = {item_id: name for name, item_id in own.items()}
+        carriers = {item.id: item.facts.rests_on for item in self.graph.dressing}
+        found: dict[str, str] = {}
+        for name in names:
+            item_id: str | None = own[name]
+            while item_id in name_of and item_id not in found:
+                found[item_id] = name_of[item_id]
+                item_id = carriers.get(item_id)
+        return found
+
+    def _room_path(self, name: str) -> str:
+        return "/".join(filter(None, (ROOMS, self.storey, name)))
+
+    def locked_in(self, room_name: str) -> list[str]:
+        """Names of prims of a room's pieces that nothing may change."""
+        room = f"{self._room_path(room_name)}/"
+        own = (path for path, item_id in self.item_ids.items() if item_id in self.locked)
+        return [path.split("/")[-1] for path in own if path.startswith(room)]
+
+    def room(self, name: str, where: Path) -> Room:
+        """The room whose prim has this name. Raises StageError, suggesting the nearest."""
+        if name not in self.room_ids:
+            near = get_close_matches(name, self.room_ids, n=1)
+            raise StageError(
+                f"has no room {name!r}",
+                where=str(where),
+                expected=f"one of {', '.join(self.room_ids)}",
+                try_=f"--room {near[0]}" if near else "",
+            )
+        return self.graph.plan.room(self.room_ids[name])
+
+
+def read_house(path: Path, room_name: str = "") -> StagedHouse:
+    """Read rooms, openings and items of a stage. Raises StageError.
+
+    room_name: of a room whose storey is read, of a house of several.
+    """
+    with reading(path):
+        return _house_of(open_stage(path), path, room_name)
+
+
+def read_edited_house(edits: Path, source: Path, room_name: str = "") -> StagedHouse:
+    """The house at source as it is seen with a layer over it. Raises StageError, also where the
+    layer points to files that are neither beside it nor beside the house."""
+    outside = files_of(edits).outside([absolute(edits).parent, absolute(source).parent])
+    if outside is not None:
+        raise StageError(
+            f"points to {outside}",
+            where=str(edits),
+            expected=f"a layer over {source.name} whose files lie beside it",
+        )
+    return read_house(edits, room_name)
+
+
+def _house_of(stage: Usd.Stage, path: Path, room_name: str = "") -> StagedHouse:
+    graph, storey = storey_of(stage, path, room_name)
+    if not graph.rooms:
+        raise StageError(
+            "holds no rooms that can be read",
+            where=str(path),
+            expected="a house that chord-usd wrote",
+            try_=f"chord-usd check {path.name}",
+        )
+    noted = {
+        str(prim.GetPath()): prim.GetAttribute(NODE_ID).Get() or str(prim.GetPath())
+        for prim in stage.TraverseAll()
+        if prim.HasAttribute(NODE_ID)
+    }
+    chord = noted_settings(stage)
+    house_seed = int(chord.get("seed", 0))
+    graph = replace(graph, style=str(chord.get("style", "")))
+    seeds = {}
+    for room in graph.rooms:
+        own = stage.GetAttributeAtPath(f"{room.id}/Furniture.{SEED}")
+        seeds[room.name] = int(own.Get()) if own else house_seed
+    room_ids = {room.name: noted.get(room.id, room.id) for room in graph.rooms}
+    things = (*graph.items, *graph.dressing)
+    item_ids = {_placed(item.id): noted.get(item.id, item.id) for item in things}
+    is_dressed = any(stage.GetPrimAtPath(f"{room.id}/{DRESSING}") for room in graph.rooms)
+    placed = (
+        (item_id, stage.GetAttributeAtPath(f"{path}.{LOCKED}"))
+        for path, item_id in item_ids.items()
+    )
+    locked = frozenset(item_id for item_id, note in placed if note and note.Get())
+    named = tuple(replace(room, id=room.name) for room in graph.rooms)
+    shown = {
+        room.name: printable(stage.GetPrimAtPath(room.id).GetDisplayName()) for room in graph.rooms
+    }
+    titles = {room.id: room_title(room, shown[room.id], named) for room in named}
+    worn = {noted_id: _asset_of(stage.GetPrimAtPath(at)) for at, noted_id in noted.items()}
+    assets = {item_id: asset for item_id, asset in worn.items() if asset}
+    graph = _with_noted_ids(graph, noted)
+    return StagedHouse(
+        graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets, titles, locked, storey
+    )
+
+
+def noted_settings(stage: Usd.Stage) -> dict[str, Any]:
+    """What a house notes of its making; of the first of its layers that does."""
+    layers = (layer for layer in stage.GetUsedLayers())
+    found = [layer.customLayerData["chord"] for layer in layers if "chord" in layer.customLayerData]
+    return dict(stage.GetRootLayer().customLayerData.get("chord", found[0] if found else {}))
+
+
+def _asset_of(prim: Usd.Prim) -> Asset | None:
+    arcs = Usd.PrimCompositionQuery.GetDirectReferences(prim).GetCompositionArcs()
+    if not arcs:
+        return None
+    layer = arcs[0].GetTargetLayer()
+    file = Path(layer.realPath)
+    hint = layer.GetAttributeAtPath(f"/{layer.defaultPrim}.extentsHint")
+    if hint is None or len(hint.default or ()) < 2 or not file.is_file():
+        return None
+    length, width, height = (float(side) for side in hint.default[1] - hint.default[0])
+    category = str(prim.GetAttribute(CATEGORY).Get() or "")
+    return Asset(file.stem, category, (length, width, height), file)
+
+
+def _placed(path: str) -> str:
+    """Path of a piece, or of the group around it: /House/Rooms/Study_0/Furniture/Desk_0."""
+    names = path.split("/")
+    at = next((at for at, name in enumerate(names) if name in (FURNITURE, DRESSING)), 4)
+    return "/".join(names[: at + 2])
+
+
+def require_furniture(path: Path, room_name: str) -> None:
+    """Raises StageError where a room's furniture is in another layer, which is not written."""
+    layer = open_layer(path)  # what it holds lives as long as it does
+    room = room_spec(layer, room_name)
+    if not room or FURNITURE not in room.nameChildren:
+        raise StageError(
+            f"the furniture of {room_name!r} is not in this layer",
+            where=str(path),
+            expected="the stage as chord-usd wrote it, not one that refers to it",
+            try_="regenerate HOUSE --edits LAYER, with the house that the layer lies over",
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class NewFurniture:
+    """What a room gets."""
+
+    room_name: str
+    """Name of the room's prim."""
+    room: Room
+    items: Sequence[Item]
+    """Posed in the world, as in the scene graph."""
+    made: Provenance
+    dressing: Sequence[Item] = ()
+    """Of a house that is dressed; others stay undressed."""
+    kept: Sequence[str] = ()
+    """Names of the room's prims that stay as they are."""
+    style: str = ""
+    """Name of the style it is furnished in; "" for none."""
+    home_seed: int = 0
+    """Seed of the house, by which its rooms agree."""
+
+
+EditLayer = Callable[[Path, Sequence[Path]], Sdf.Layer]
+"""Edits the layer at a path and saves it, given the folders that hold what it points to."""
+
+
+def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
+    """Write source to target with one room's furniture taken out and new furniture put in.
+
+    As rewrite does it, and with its errors.
+    """
+    require_furniture(source, new.room_name)
+    return rewrite(source, target, lambda path, finals: furnish_layer(path, finals, new), new.made)
+
+
+def rewrite(
+    source: Path,
+    target: Path,
+    edit: EditLayer,
+    made: Provenance,
+    accept: Callable[[Path], None] | None = None,
+) -> StageFile:
+    """Write source to target with its own layer edited.
+
+    target may be source itself; elsewhere, everything the stage points to is copied beside it.
+    accept: looks at the stage, whole, before it is delivered, and raises what speaks against it.
+    Nothing is left behind on failure. Raises StageError for a stage that chord-usd did not write,
+    AssetError, OutputError.
+    """
+    if source.suffix != target.suffix and ".usdz" in (source.suffix, target.suffix):
+        raise StageError(
+            f"cannot become a {target.suffix}",
+            where=str(source),
+            expected=f"-o with the suffix {source.suffix}",
+        )
+    _require_own(source, target)
+    with reading(source), deliver() as delivery:
+        staged = delivery.place(target)
+        if source.suffix == ".usdz":
+            _edit_archive(source, staged, target, edit)
+        else:
+            final = destination(target.parent)
+            if final != absolute(source).parent:
+                _copy_what_it_points_to(source, staged, target)
+            _copy_layer(source, staged)
+            layer = edit(staged, [final, staged.parent])
+            write_attribution(layer, (staged.parent, final), staged, target)
+        if accept:
+            with _whole(staged, target) as seen:
+                accept(seen)
+        content_hash = hash_file(staged)
+    layer = Sdf.Layer.Find(str(target))
+    if layer:
+        layer.Reload()
+    return StageFile(target, content_hash, made)
+
+
+@contextmanager
+def _whole(staged: Path, target: Path) -> Iterator[Path]:
+    """A stage on its way as it will be seen: in a folder with links to what lies there already."""
+    home = destination(target.parent)
+    if staged.suffix == ".usdz":
+        yield staged
+        return
+    with tempfile.TemporaryDirectory(prefix="chord-usd-") as scratch:
+        folder = Path(scratch)
+        for at in (staged.parent, home):
+            for one in at.iterdir():
+                _link(one, folder / one.name)
+        yield folder / staged.name
+
+
+def _link(source: Path, link: Path) -> None:
+    """A link to a file or folder; of folders that two places have, one to each thing in them."""
+    if not os.path.lexists(link):
+        link.symlink_to(absolute(source))
+    elif source.is_dir() and link.is_dir():
+        if link.is_symlink():
+            first = link.readlink()
+            link.unlink()
+            link.mkdir()
+            for inner in first.iterdir():
+                _link(inner, link / inner.name)
+        for inner in source.iterdir():
+            _link(inner, link / inner.name)
+
+
+def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
+    """The graph under the ids of its author in place of prim paths."""
+
+    def item(one: Item) -> Item:
+        return replace(
+            one,
+            id=noted.get(one.id, one.id),
+            room_id=noted.get(one.room_id, one.room_id),
+            children=tuple(map(item, one.children)),
+            facts=replace(one.facts, rests_on=noted.get(one.facts.rests_on or "")),
+        )
+
+    return replace(
+        graph,
+        rooms=tuple(replace(room, id=noted.get(room.id, room.id)) for room in graph.rooms),
+        openings=tuple(replace(one, id=noted.get(one.id, one.id)) for one in graph.openings),
+        items=tuple(map(item, graph.items)),
+        dressing=tuple(map(item, graph.dressing)),
+    )
+
+
+def _require_own(source: Path, target: Path) -> None:
+    """Raises StageError for a stage with files elsewhere, where more than its layer is written."""
+    if source.suffix == ".usdz" or absolute(target).parent != absolute(source).parent:
+        own_files(source)
+
+
+def _copy_layer(source: Path, staged: Path) -> None:
+    """The root layer under its new name; an identifier that is its file name follows."""
+    shutil.copyfile(source, staged)
+    if source.name == staged.name:
+        return
+    layer = open_layer(staged)
+    root = layer.GetPrimAtPath(f"/{layer.defaultPrim}")
+    info = dict(root.GetInfo("assetInfo")) if root and root.HasInfo("assetInfo") else {}
+    if info.get("identifier") == Sdf.AssetPath(f"./{source.name}"):
+        info["identifier"] = Sdf.AssetPath(f"./{staged.name}")
+        root.SetInfo("assetInfo", info)
+        layer.Save()
+
+
+def _copy_what_it_points_to(source: Path, staged: Path, target: Path) -> None:
+    """Layers and textures of a stage, at the same places relative to another folder.
+
+    Raises StageError where another file lies at such a place, which may be another house's.
+    """
+    home, final = absolute(source).parent, destination(target.parent)
+    files = own_files(source)
+    for file in (*files.layers[1:], *files.others):
+        name = file.relative_to(home)
+        place, there = staged.parent / name, final / name
+        is_of_target = name.parts[0] in (target.name, f"{target.stem}_architecture")
+        if not is_of_target and os.path.lexists(there) and not is_copy(file, there):
+            raise StageError(
+                f"needs {name}, and another file lies there already",
+                where=str(source),
+                expected=f"an output folder without another {name.parts[0]}",
+                try_="-o in an empty folder",
+            )
+        place.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, place)
+
+
+def _edit_archive(source: Path, staged: Path, target: Path, edit: EditLayer) -> None:
+    """Unpack, edit the root layer, which is an archive's first file, and pack again."""
+    with tempfile.TemporaryDirectory(dir=staged.parent) as scratch:
+        folder = Path(scratch)
+        with Archive(source, StageError, expected="a .usdz package") as archive:
+            archive.require_package()
+            archive.unpack(folder)
+            root = folder / archive.names[0]
+        layer = edit(root, [root.parent])
+        write_attribution(layer, (root.parent,), staged, target)
+        for file in folder.rglob("*"):
+            os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
+        # Unpacked, its files lie where those of a package cannot: look at what is packed again.
+        own_files(root, source)
+        UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(root)), str(staged))
+
+
+def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.Layer:
+    """Give a room of the layer at path its new furniture.
+
+    finals: the folders that hold what it points to.
+    """
+    layer = open_layer(path)
+    room = room_spec(layer, new.room_name)
+    assert room, "refurnish looks for it"
+    furniture, dressing = (room.nameChildren.get(name) for name in (FURNITURE, DRESSING))
+    for group in (furniture, dressing):
+        for name in list(group.nameChildren.keys()) if group else ():
+            if name not in new.kept:
+                del group.nameChildren[name]
+    items, hung = (name_items(things, taken=new.kept) for things in (new.items, new.dressing))
+    group = room.nameParent.name if room.nameParent.name.startswith(STOREY) else ""
+    named = NamedRoom(0, new.room_name, new.room, items, (), hung, group)
+    with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
+        style = style_named(new.style, new.home_seed) if new.style else None
+        home = style.agreed(new.home_seed) if style else None
+        noted = layer.customLayerData.get("chord", {})
+        articulation = str(noted.get("articulation", FIXED))
+        wardrobe = Wardrobe(new.made.seed, style, home, articulation)
+        packages = Packages(path.parent, finals, "assets")
+        place_furniture(layer, named, packages, Path(scratch), wardrobe)
+        if dressing or hung:
+            place_dressing(layer, named, packages, Path(scratch), wardrobe)
+    _light_lamps(layer, room.path, finals)
+    if new.made.checkpoint_hash:  # nothing else was drawn
+        _note_making(furniture, new.made)
+    noted = room.nameParent.attributes.get(ELEVATION)
+    floor_m = float(noted.default) if noted else 0.0
+    standing = [*new.items, *new.dressing]
+    clear_camera(layer, new.room_name, room_polygon(new.room), standing, floor_m)
+    layer.Save()
+    return layer
+
+
+def _light_lamps(layer: Sdf.Layer, room: Sdf.Path, folders: Sequence[Path]) -> None:
+    """Let the lamps that the room has now shine, and no others."""
+    house, scope = (layer.GetPrimAtPath(p) for p in ("/House", room.AppendChild("Lights")))
+    variants = variants_of(house)
+    if not scope or not variants:
+        return
+    gone = [one.path for one in scope.nameChildren if one.typeName == "SphereLight"]
+    forget(house, gone)
+    for path in gone:
+        del scope.nameChildren[path.name]
+    lamps = hang_lamps(layer, str(room), folders)
+    for time, variant in variants.items():
+        shine(variant, lamps, MOODS[time])
+
+
+def _note_making(furniture: Sdf.PrimSpec, made: Provenance) -> None:
+    for name, type_, value in (
+        (SEED, Types.Int, made.seed),
+        (CHECKPOINT, Types.String, made.checkpoint_hash),
+    ):
+        if name in furniture.attributes:
+            furniture.attributes[name].default = value
+        else:
+            attribute(furniture, name, type_, value, custom=True)

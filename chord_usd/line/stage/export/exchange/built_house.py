@@ -1,0 +1,234 @@
+"""A house read back from its stage, as what is no USD wants it: a plan, its walls, its things."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from pxr import Usd
+from shapely.geometry import Point, Polygon
+
+from chord_usd.base.errors import StageError
+from chord_usd.base.runtime.stages import open_stage, reading, storey_prims
+from chord_usd.base.scene.geometry import Floors, extent_m, room_polygon, rooms_beside, to_own
+from chord_usd.base.scene.limits import LARGEST_HOUSE_M
+from chord_usd.base.scene.room_names import room_kind
+from chord_usd.base.scene.types import FloatArray, Item, Opening, Plan, Room, SceneGraph
+from chord_usd.line.stage.author.names import ROOM_LABELS, printable, room_title, spoken
+from chord_usd.line.stage.check.check_contact import Body, Solid
+from chord_usd.line.stage.check.check_scene import StageScene, StageStair, read_scene, read_storeys
+from chord_usd.line.stage.export.exchange.whole_rooms import whole_rooms
+from chord_usd.line.stage.shell.author_shell import opens_to
+from chord_usd.line.stage.shell.opening_parts import side_of, span_of
+from chord_usd.line.stage.shell.opening_shapes import Span
+from chord_usd.line.stage.shell.walls import Tunnel, Walls, build_walls
+
+
+@dataclass(frozen=True, eq=False)
+class BuiltStairs:
+    """Stairs as they stand, in the frame of the storey that they start on."""
+
+    id: str
+    form: str
+    rooms: tuple[str, str]
+    """Ids of the rooms where they start, and where they end."""
+    walk_m: FloatArray
+    """(N, 3) the line that one walks up."""
+    solids: tuple[Solid, ...]
+    """Steps and landings, handrails, railings."""
+
+
+@dataclass(frozen=True, eq=False)
+class House:
+    """A house as it stands. Ids of rooms and openings are those of their prims, such as Bedroom_0
+    and Bedroom_0_Door_0."""
+
+    graph: SceneGraph
+    """Ids of items are prim paths."""
+    bodies: dict[str, Body]
+    """What is seen of each item, in the world, by its id."""
+    scene: StageScene
+    """As it was read: paths for ids, stairs apart from rooms."""
+    titles: dict[str, str]
+    """What people call each room, by its id: names from the plan, else its kind and number."""
+    owners: dict[str, str]
+    """Id of the room that each opening's frame belongs to, by the opening's id."""
+    storey: str = ""
+    """Name of its group where it is a storey of a house of several: Storey_0."""
+    storey_title: str = ""
+    elevation_m: float = 0.0
+    """Of its floor; everything else is in the storey's own frame."""
+    stairs: tuple[BuiltStairs, ...] = ()
+    """Up from this storey."""
+    wells: tuple[Polygon, ...] = ()
+    """Parts of its rooms that stairs stand on or come up through."""
+    holes: tuple[Polygon, ...] = ()
+    """What of these has no floor."""
+
+    @property
+    def plan(self) -> Plan:
+        """Rooms and openings."""
+        return self.graph.plan
+
+    @cached_property
+    def walls(self) -> Walls:
+        """The solid of the walls, and the holes in it."""
+        return build_walls(self.plan)
+
+    @cached_property
+    def told(self) -> SceneGraph:
+        """The graph as it is drawn and written: rooms as people call them, and what stands on an
+        item in that item's own frame, where the stage has it in the world."""
+        rooms = tuple(replace(room, name=self.titles[room.id]) for room in self.graph.rooms)
+        rooms += tuple(
+            Room(f"stairs{number}", "corridor", np.asarray(well.exterior.coords)[:-1], "Stairs")
+            for number, well in enumerate(self.wells)
+        )
+        return replace(self.graph, rooms=rooms, items=tuple(map(_carrying, self.graph.items)))
+
+    @cached_property
+    def digest(self) -> str:
+        """Names this house and no other: what identifiers in files are made from."""
+        told = [
+            *((room.id, room.kind, room.polygon_m.round(4).tolist()) for room in self.plan.rooms),
+            *((one.id, one.kind, one.box) for one in self.plan.openings),
+            *((item.id, item.category, item.box) for item in self.things()),
+        ]
+        return hashlib.sha256(repr(told).encode()).hexdigest()
+
+    def things(self) -> Sequence[Item]:
+        """Furniture and dressing; what stands on furniture is left out."""
+        return (*self.graph.items, *self.graph.dressing)
+
+    def title(self, room: Room) -> str:
+        """What a room is called, in words that tell its kind to whoever reads the file."""
+        title = self.titles[room.id]
+        return title if room_kind(title) == room.kind else spoken(ROOM_LABELS[room.kind])
+
+    def opens_to(self, opening: Opening) -> int:
+        """The side that a door's leaves swing to: 1 is its own +y, -1 its -y."""
+        tunnel = self.walls.tunnels[opening.id]
+        index = next(
+            (n for n, room in enumerate(self.walls.rooms) if room.id == self.owners[opening.id]), 0
+        )
+        indoors = self.walls.floors_m[index].representative_point().coords[0]
+        return opens_to(tunnel, self.walls, side_of(indoors, tunnel))
+
+
+def read_built(path: Path) -> list[House]:
+    """The storeys of the house at path, the lowest first. Raises StageError."""
+    with reading(path):
+        return houses_of(open_stage(path))
+
+
+def house_of(stage: Usd.Stage) -> House:
+    """Read a house of one storey. Raises StageError where the stage holds none."""
+    read_scene(stage)
+    return houses_of(stage)[0]
+
+
+def houses_of(stage: Usd.Stage) -> list[House]:
+    """Read the storeys of a house, the lowest first. Raises StageError where there is none."""
+    scenes, groups = read_storeys(stage), storey_prims(stage)
+    where = stage.GetRootLayer().realPath
+    if not all(scene.graph.rooms for scene in scenes):
+        raise StageError(
+            "holds no rooms that can be read", where=where,
+            expected="a house that chord-usd wrote",
+        )  # fmt: skip
+    if max(extent_m(scene.graph.rooms) for scene in scenes) > LARGEST_HOUSE_M:
+        raise StageError(
+            f"is more than {LARGEST_HOUSE_M:g} m wide", where=where,
+            expected="a house, in metres",
+        )  # fmt: skip
+    if not groups:
+        return [_storey(stage, scenes[0])]
+    houses = [_storey(stage, scene) for scene in scenes]
+    found = []
+    for index, (house, scene, group) in enumerate(zip(houses, scenes, groups, strict=True)):
+        above = houses[index + 1] if index + 1 < len(houses) else None
+        stairs = [_stairs(stage, one, house, above) for one in scene.stairs] if above else []
+        title = printable(group.GetDisplayName()) or group.GetName()
+        found.append(
+            replace(
+                house, storey=group.GetName(), storey_title=title, stairs=tuple(stairs),
+                elevation_m=scene.elevation_m, wells=tuple(map(room_polygon, scene.shafts)),
+                holes=scene.holes,
+            )
+        )  # fmt: skip
+    return found
+
+
+def _stairs(stage: Usd.Stage, one: StageStair, below: House, above: House) -> BuiltStairs:
+    prim = stage.GetPrimAtPath(one.body.path)
+    room = one.body.path.split("/Architecture/")[0].rsplit("/", 1)[-1]
+    ends = [_room_at(house, one.walk_m[at, :2]) for house, at in ((below, 0), (above, -1))]
+    form = prim.GetAttribute("chord:form").Get() if prim.HasAttribute("chord:form") else ""
+    return BuiltStairs(
+        f"{room}_{prim.GetName()}", str(form), (ends[0], ends[1]), one.walk_m, one.body.solids
+    )
+
+
+def _room_at(house: House, at_m: FloatArray) -> str:
+    place = Point(at_m)
+    return min(house.plan.rooms, key=lambda room: room_polygon(room).distance(place)).id
+
+
+def _storey(stage: Usd.Stage, scene: StageScene) -> House:
+    parted = scene
+    scene, inside = whole_rooms(scene)
+    names = {room.id: room.name for room in scene.graph.rooms}
+    names |= {part: names[whole] for part, whole in inside.items()}
+    shown = {
+        name: printable(stage.GetPrimAtPath(path).GetDisplayName())
+        for path, name in names.items()
+        if path not in inside
+    }
+    rooms = tuple(replace(room, id=room.name) for room in scene.graph.rooms)
+    floors = Floors(rooms)
+    openings, owners = [], {}
+    for one in scene.graph.openings:
+        room_path, _, own_name = one.id.partition("/Architecture/")
+        owner = names.get(room_path, rooms[0].id)
+        frame = room_path.rsplit("/", 1)[-1]
+        own_id = f"{frame}_{own_name.rsplit('/', 1)[-1]}"
+        owners[own_id] = owner
+        openings.append(replace(one, id=own_id, room_ids=rooms_beside(one.box, floors)))
+    graph = replace(
+        scene.graph,
+        rooms=rooms,
+        openings=tuple(openings),
+        items=tuple(_in_room(item, names) for item in scene.graph.items),
+        dressing=tuple(_in_room(item, names) for item in scene.graph.dressing),
+    )
+    titles = {room.id: room_title(room, shown[room.id], rooms) for room in rooms}
+    return House(graph, {body.path: body for body in scene.items}, parted, titles, owners)
+
+
+def span_in_plan(tunnel: Tunnel) -> Span:
+    """The hole of an opening as long as the plan has it, in the opening's own frame.
+
+    Where a wall runs crosswise behind an end of it, less of it is cut through.
+    """
+    half = tunnel.opening.box.size_m[0] / 2
+    return replace(span_of(tunnel), left=-half, right=half)
+
+
+def _carrying(item: Item) -> Item:
+    """An item with its children in its own frame."""
+
+    def own(child: Item) -> Item:
+        ((x_m, y_m),) = to_own(item.box, [child.box.center_m[:2]]).tolist()
+        z_m = child.box.center_m[2] - item.box.center_m[2]
+        yaw_deg = child.box.yaw_deg - item.box.yaw_deg
+        return replace(child, box=replace(child.box, center_m=(x_m, y_m, z_m), yaw_deg=yaw_deg))
+
+    return replace(item, children=tuple(map(own, item.children)))
+
+
+def _in_room(item: Item, names: dict[str, str]) -> Item:
+    return replace(item, room_id=names.get(item.room_id, ""))

@@ -1,0 +1,106 @@
+"""Masses, centres and inertias of moving bodies, as UsdPhysics ranks what a stage says of them.
+
+They are written out for each body. MuJoCo would compute them from colliders only where a setting of
+the whole model says so, and a robot that is added to the model would then lose its weight.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from pxr import Usd, UsdPhysics
+
+from chord_usd.line.stage.export.exchange.mjcf_frames import Frames, numbers
+from chord_usd.line.stage.export.exchange.mjcf_geoms import Shape, density_of
+from chord_usd.line.stage.export.exchange.mjcf_inertia import inertia_of
+
+_WATER_KG_PER_M3 = 1000.0
+_LEAST_KG_M2 = 1e-9
+_UNFELT_KG, _UNFELT_M = 1.0, 0.05
+"""Mass and radius of a body that nothing says anything about."""
+
+
+@dataclass(frozen=True, eq=False)
+class PieceOfMass:
+    """A geom of a moving body."""
+
+    prim: Usd.Prim
+    shape: Shape
+
+
+class Masses:
+    """Masses of a stage, in kilograms."""
+
+    def __init__(self, stage: Usd.Stage) -> None:
+        self._kg = UsdPhysics.GetStageKilogramsPerUnit(stage)
+
+    def share(
+        self, body: Usd.Prim, element: ET.Element, felt: list[PieceOfMass], frames: Frames
+    ) -> None:
+        """Give a body its inertial element.
+
+        The mass of the body counts, else its density, else what each collider says, else its
+        material.
+        """
+        per_m3 = self._kg / frames.metres**3
+        dense = _told(body, "density") * per_m3
+        shares = [self._own(one, dense, per_m3) for one in felt]
+        whole = _told(body, "mass") * self._kg
+        if whole > 0.0 and sum(shares) > 0.0:
+            shares = [share * whole / sum(shares) for share in shares]
+        inertia = UsdPhysics.MassAPI(body).GetDiagonalInertiaAttr().Get()
+        if sum(shares) <= 0.0 or (inertia and max(inertia) > 0.0):
+            _say(element, body, whole or sum(shares) or _UNFELT_KG, inertia, self._kg, frames)
+        else:
+            element.insert(0, _summed([one.shape for one in felt], shares))
+
+    def _own(self, one: PieceOfMass, dense: float, per_m3: float) -> float:
+        mass = _told(one.prim, "mass") * self._kg
+        if mass > 0.0 and dense == 0.0:
+            return mass
+        own = _told(one.prim, "density") or density_of(one.prim)
+        return (dense or own * per_m3 or _WATER_KG_PER_M3) * one.shape.volume_m3
+
+
+def _summed(shapes: list[Shape], masses: list[float]) -> ET.Element:
+    """The inertial element of solids of these masses, in kg."""
+    total = sum(masses)
+    parts = [inertia_of(shape, mass) for shape, mass in zip(shapes, masses, strict=True)]
+    centre = np.average([at for at, _ in parts], axis=0, weights=masses)
+    tensor = np.zeros((3, 3))
+    for mass, (at, own) in zip(masses, parts, strict=True):
+        away = at - centre
+        tensor += own + mass * (away @ away * np.eye(3) - np.outer(away, away))
+    tensor += _LEAST_KG_M2 * np.eye(3)
+    six = (*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2])
+    return ET.Element("inertial", {
+        "pos": numbers(centre), "mass": f"{total:.9g}",
+        "fullinertia": " ".join(f"{value:.9g}" for value in six),
+    })  # fmt: skip
+
+
+def _told(prim: Usd.Prim, name: str) -> float:
+    value = prim.GetAttribute(f"physics:{name}").Get() if prim.HasAPI(UsdPhysics.MassAPI) else None
+    return float(value or 0.0)
+
+
+def _say(
+    element: ET.Element, body: Usd.Prim, mass: float, inertia: object, kg: float, frames: Frames
+) -> None:
+    """The inertia of a body in so many words; of a small ball where the stage has none."""
+    api = UsdPhysics.MassAPI(body)
+    diagonal = np.array(inertia if inertia else (0.0,) * 3) * kg * frames.metres**2
+    if diagonal.max() <= 0.0:
+        diagonal = np.full(3, 0.4 * mass * _UNFELT_M**2)
+    told = {"pos": "0 0 0", "mass": f"{mass:.9g}", "diaginertia": numbers(diagonal)}
+    middle = api.GetCenterOfMassAttr().Get()
+    if middle is not None and np.isfinite(middle).all():
+        matrix = frames.of(body)
+        scale = np.linalg.norm(matrix[:3, :3], axis=0)
+        told["pos"] = numbers(np.array(middle) * scale)
+    axes = api.GetPrincipalAxesAttr().Get()
+    if axes is not None and axes.GetLength() > 0.0:
+        told["quat"] = numbers([axes.GetReal(), *list(axes.GetImaginary())])
+    element.insert(0, ET.Element("inertial", told))

@@ -1,0 +1,272 @@
+"""A stage as a model of MuJoCo: MJCF with its meshes and pictures beside it.
+
+Bodies, colliders, joints and masses are read off UsdPhysics, whoever wrote them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdLux, UsdPhysics
+
+from chord_usd.base.errors import StageError
+from chord_usd.base.scene.types import FloatArray
+from chord_usd.line.stage.export.exchange.mjcf_bodies import Body, Mechanism, mechanism_of, name_of
+from chord_usd.line.stage.export.exchange.mjcf_frames import (
+    Frames,
+    dotted,
+    numbers,
+    placed,
+    rigid,
+    scale_of,
+)
+from chord_usd.line.stage.export.exchange.mjcf_geoms import Shape, friction_of, shapes_of, solid_of
+from chord_usd.line.stage.export.exchange.mjcf_lights import (
+    camera_attributes,
+    light_attributes,
+    strength,
+)
+from chord_usd.line.stage.export.exchange.mjcf_looks import MESHES, TEXTURES, Assets, seen_of
+from chord_usd.line.stage.export.exchange.mjcf_masses import Masses, PieceOfMass
+from chord_usd.line.stage.read.vertices import Vertices
+
+MODEL_FILE = "model.xml"
+_EARTH_M_PER_S2 = 9.81
+_STEP_S = 0.002
+_FRICTION = "0.5 0.005 0.0001"
+"""Of colliders without a material."""
+
+_ASIDE = (UsdGeom.Tokens.guide, UsdGeom.Tokens.render)
+
+
+def write_mjcf(stage: Usd.Stage, folder: Path) -> None:
+    """Write model.xml, meshes/ and textures/ for what the stage has selected.
+
+    Names of bodies, joints, geoms, lights and cameras are paths with dots. Raises StageError for a
+    stage with nothing in it.
+    """
+    writer = _Writer(stage, folder)
+    root = writer.model()
+    ET.indent(root)
+    text = ET.tostring(root, encoding="unicode")
+    (folder / MODEL_FILE).write_text(text + "\n", encoding="utf-8")
+
+
+class _Writer:
+    """A model being written."""
+
+    def __init__(self, stage: Usd.Stage, folder: Path) -> None:
+        self._stage = stage
+        self._frames = Frames(stage)
+        self._assets = Assets(folder)
+        self._masses = Masses(stage)
+        self._elements: dict[Body, ET.Element] = {}
+        self._geoms = 0
+
+    def model(self) -> ET.Element:
+        mechanism = mechanism_of(self._stage, self._frames)
+        root = ET.Element("mujoco", model=_title(self._stage))
+        if mechanism.left_out:
+            said = ", ".join(mechanism.left_out).replace("--", "- -")
+            root.append(ET.Comment(f" joints that MJCF lacks: {said} "))
+        _settings(root, _gravity(self._stage, self._frames))
+        root.append(self._assets.element)
+        self._bodies(ET.SubElement(root, "worldbody"), mechanism)
+        if not self._geoms:
+            raise StageError(
+                "holds nothing that can be seen or felt",
+                where=self._stage.GetRootLayer().realPath,
+                expected="meshes or colliders",
+            )
+        self._ties(root, mechanism)
+        self._labels(root, mechanism)
+        return root
+
+    def _bodies(self, world: ET.Element, mechanism: Mechanism) -> None:
+        below: dict[Body, list[Body]] = {}
+        first = mechanism.bodies[0]
+        for body in mechanism.bodies[1:]:
+            below.setdefault(body.parent or first, []).append(body)
+        self._elements[first] = world
+        waiting = [first]
+        while waiting:
+            body = waiting.pop()
+            if body is not first:
+                self._open(body)
+            self._fill(body)
+            waiting += reversed(below.get(body, []))
+        lights = [
+            part for body in mechanism.bodies for part in body.parts if part.HasAPI(UsdLux.LightAPI)
+        ]
+        for light in sorted(lights, key=strength):
+            told = light_attributes(light, rigid(self._frames.of(light)))
+            if told and _is_seen(light):
+                ET.SubElement(world, "light", {"name": name_of(light), **told})
+
+    def _open(self, body: Body) -> None:
+        """The element of a body, with its joints."""
+        above = body.parent.pose if body.parent else np.eye(4)
+        owner = self._elements[body.parent] if body.parent else next(iter(self._elements.values()))
+        told = {"name": body.name, **placed(np.linalg.inv(above) @ body.pose)}
+        if body.is_led:
+            told["mocap"] = "true"
+        element = self._elements[body] = ET.SubElement(owner, "body", told)
+        if body.moves and body.parent is None:
+            ET.SubElement(element, "freejoint", name=body.name)
+        for link in body.links:
+            ET.SubElement(element, "joint", link.attributes())
+
+    def _fill(self, body: Body) -> None:
+        """What is felt and seen of a body."""
+        element = self._elements[body]
+        inverse = np.linalg.inv(body.pose)
+        felt: list[PieceOfMass] = []
+        for prim in body.parts:
+            frame = inverse @ self._frames.of(prim)
+            if prim.HasAPI(UsdPhysics.CollisionAPI) and prim.IsA(UsdGeom.Gprim):
+                felt += self._collider(element, prim, frame, moves=body.moves)
+            if prim.IsA(UsdGeom.Camera):
+                told = camera_attributes(prim, rigid(frame), self._frames.metres)
+                ET.SubElement(element, "camera", {"name": name_of(prim), **told})
+        if body.moves:
+            self._masses.share(body.prim, element, felt, self._frames)
+        self._looks(body, element)
+
+    def _collider(
+        self, element: ET.Element, prim: Usd.Prim, frame: FloatArray, *, moves: bool
+    ) -> list[PieceOfMass]:
+        if not UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get():
+            return []
+        friction = friction_of(prim)
+        found = []
+        for number, shape in enumerate(shapes_of(prim, frame, moves=moves)):
+            name = name_of(prim) + (f".{number}" if number else "")
+            self._geoms += 1
+            if not isinstance(shape, Shape):
+                element.append(shape.element(name, friction or _FRICTION))
+                continue
+            told = {"name": name, "class": "felt", **shape.attributes}
+            if friction:
+                told["friction"] = friction
+            if shape.hull is not None:
+                told["mesh"] = self._assets.hull(shape.hull)
+            ET.SubElement(element, "geom", told)
+            found.append(PieceOfMass(prim, shape))
+        return found
+
+    def _looks(self, body: Body, element: ET.Element) -> None:
+        """One geom for each material of a body's meshes; other solids are geoms themselves."""
+        matrix = self._frames.of(body.prim) if body.prim.GetParent() else self._frames.world
+        scale, skew = scale_of(matrix), np.eye(4)
+        if scale is None:
+            scale, skew = np.ones(3), np.linalg.inv(body.pose) @ matrix
+        parts: dict[str, list[Vertices]] = {}
+        for prim in body.parts:
+            if not prim.IsA(UsdGeom.Gprim) or not _is_seen(prim):
+                continue
+            material, placement = self._assets.look_of(prim)
+            if not prim.IsA(UsdGeom.Mesh):
+                self._solid(body, element, prim, material)
+                continue
+            local = self._frames.within(prim, body.prim)
+            vertices = seen_of(prim, skew @ local, placement)
+            if vertices is not None:
+                parts.setdefault(material, []).append(vertices)
+        for material, found in parts.items():
+            name = f"{body.prim.GetName()}_{material}" if body.prim.GetParent() else material
+            mesh = self._assets.mesh(name, found, scale)
+            if mesh is not None:
+                told = {"class": "seen", "mesh": mesh, "material": material}
+                ET.SubElement(element, "geom", told)
+                self._geoms += 1
+
+    def _solid(self, body: Body, element: ET.Element, prim: Usd.Prim, material: str) -> None:
+        shape = solid_of(prim, np.linalg.inv(body.pose) @ self._frames.of(prim))
+        if shape is None:
+            return
+        told = {"class": "seen", "material": material, **shape.attributes}
+        if shape.hull is not None:
+            told["mesh"] = self._assets.hull(shape.hull)
+        ET.SubElement(element, "geom", told)
+        self._geoms += 1
+
+    def _ties(self, root: ET.Element, mechanism: Mechanism) -> None:
+        """What does not touch, and joints that close a loop."""
+        world = mechanism.bodies[0]
+        pairs = [pair for pair in mechanism.apart if world not in pair]
+        if pairs:
+            contact = ET.SubElement(root, "contact")
+            for first, second in dict.fromkeys(pairs):
+                ET.SubElement(contact, "exclude", body1=first.name, body2=second.name)
+        if mechanism.loops:
+            equality = ET.SubElement(root, "equality")
+            for loop in mechanism.loops:
+                told = {"name": dotted(loop.path)}
+                names = {"body1": _known(loop.first, world), "body2": _known(loop.second, world)}
+                if loop.kind != "fixed":
+                    told["anchor"] = numbers(loop.anchor)
+                kind = "weld" if loop.kind == "fixed" else "connect"
+                ET.SubElement(equality, kind, told | names)
+
+    def _labels(self, root: ET.Element, mechanism: Mechanism) -> None:
+        """Texts with the names of bodies: their class."""
+        custom = ET.Element("custom")
+        for body in mechanism.bodies[1:]:
+            values = body.prim.GetAttribute("semantics:labels:class").Get()
+            if values:
+                ET.SubElement(custom, "text", name=body.name, data=str(values[0]))
+        if len(custom):
+            root.append(custom)
+
+
+def _known(body: Body, world: Body) -> str:
+    return "world" if body is world else body.name
+
+
+def _title(stage: Usd.Stage) -> str:
+    prim = stage.GetDefaultPrim()
+    return prim.GetName() if prim else "stage"
+
+
+def _settings(root: ET.Element, gravity: FloatArray) -> None:
+    ET.SubElement(
+        root, "compiler", angle="degree", autolimits="true", meshdir=MESHES, texturedir=TEXTURES,
+        boundmass="1e-6", boundinertia="1e-9",
+    )  # fmt: skip
+    ET.SubElement(
+        root, "option", timestep=numbers([_STEP_S]), gravity=numbers(gravity),
+        integrator="implicitfast", cone="elliptic",
+    )  # fmt: skip
+    visual = ET.SubElement(root, "visual")
+    ET.SubElement(visual, "global", offwidth="1920", offheight="1080")
+    ET.SubElement(visual, "headlight", ambient="0.55 0.55 0.55", diffuse="0.3 0.3 0.3")
+    default = ET.SubElement(root, "default")
+    seen = ET.SubElement(default, "default", {"class": "seen"})
+    ET.SubElement(
+        seen, "geom", type="mesh", contype="0", conaffinity="0", group="2", mass="0"
+    )  # fmt: skip
+    felt = ET.SubElement(default, "default", {"class": "felt"})
+    ET.SubElement(felt, "geom", group="3", friction=_FRICTION)
+
+
+def _gravity(stage: Usd.Stage, frames: Frames) -> FloatArray:
+    """Of the first physics scene; that of the earth where there is none, or it leaves it open."""
+    scene = next((one for one in stage.Traverse() if one.IsA(UsdPhysics.Scene)), None)
+    down, strong = np.array([0.0, 0.0, -1.0]), _EARTH_M_PER_S2
+    if scene is not None:
+        told = UsdPhysics.Scene(scene)
+        way = np.array(told.GetGravityDirectionAttr().Get(), dtype=np.float64)
+        if np.linalg.norm(way) > 0.0:
+            turn = rigid(frames.world)[:3, :3]
+            down = turn @ way / np.linalg.norm(way)
+        size = told.GetGravityMagnitudeAttr().Get()
+        strong = size * frames.metres if 0.0 <= size < float("inf") else strong
+    return down * strong
+
+
+def _is_seen(prim: Usd.Prim) -> bool:
+    shape = UsdGeom.Imageable(prim)
+    hidden = shape.ComputeVisibility() == UsdGeom.Tokens.invisible
+    return not hidden and shape.ComputePurpose() not in _ASIDE

@@ -1,0 +1,1 @@
+"""Facts read back from a written stage."""

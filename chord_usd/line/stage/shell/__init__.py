@@ -1,0 +1,1 @@
+"""Geometry of walls, floors, openings, stairs and roofs."""

@@ -1,0 +1,1 @@
+"""Cameras: places and directions in rooms."""

@@ -1,0 +1,1 @@
+"""Training data, training and evaluation: never imported by generate."""

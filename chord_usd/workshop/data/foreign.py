@@ -1,0 +1,195 @@
+"""Houses from elsewhere, whatever they are written in; what cannot be read is passed over, with
+its reason.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from shapely.errors import ShapelyError
+
+from chord_usd.base.errors import ChordError, SceneError
+from chord_usd.base.runtime.inputs import refuse_odd_file
+from chord_usd.base.runtime.json_lines import MOST_LINE_BYTES, read_lines
+from chord_usd.base.runtime.json_text import parse_json
+from chord_usd.base.scene.chord_json import scene_from_json
+from chord_usd.base.scene.geometry import extent_m
+from chord_usd.base.scene.limits import (
+    LARGEST_HOUSE_M,
+    MOST_CORNERS_IN_ALL,
+    MOST_ITEMS,
+    MOST_OPENINGS,
+    MOST_ROOMS,
+)
+from chord_usd.base.scene.types import SceneGraph
+from chord_usd.workshop.data.box_scenes import (
+    BOX_KEYS,
+    OBJECT_TYPES_FILE,
+    read_boxes,
+    read_object_types,
+    room_from_boxes,
+)
+from chord_usd.workshop.data.flats import flat_from_lines
+from chord_usd.workshop.data.procthor import Sizes, house_from_procthor, read_asset_sizes
+from chord_usd.workshop.data.threed_front import house_from_front, read_models, room_from_record
+
+FORMATS = "CHOrD JSON, 3D-FRONT, ATISS, ProcTHOR or FloorplanTransformation"
+
+_MALFORMED = (
+    ArithmeticError, AttributeError, LookupError, TypeError, ValueError, ShapelyError,
+)  # fmt: skip
+"""What other people's records make of readers that take their form for granted."""
+
+_BOXES = "boxes.npz"
+_SCENE = "scene.json"
+"""Of each house of a batch, in its own folder (batch.make.SCENE_FILE)."""
+_FARTHEST_M = 1e5
+_LONGEST_NAME = 100
+_NOT_IN_NAMES = re.compile(r"[^\w-]+")
+
+
+@dataclass(frozen=True)
+class Models:
+    """What 3D-FRONT, ProcTHOR and ATISS keep beside the houses."""
+
+    categories: Mapping[str, str] = field(default_factory=dict)
+    """3D-FRONT: category by model id."""
+    sizes: Sizes = field(default_factory=dict)
+    """ProcTHOR: size by asset id."""
+    object_types: tuple[str, ...] = ()
+    """ATISS: names of classes in their order."""
+
+
+class Found(NamedTuple):
+    """A house, or in words why there is none."""
+
+    name: str
+    house: SceneGraph | None
+    why: str = ""
+
+
+def read_models_file(path: Path) -> Models:
+    """3D-FUTURE's model_info.json, ProcTHOR's asset-database.json or ATISS's dataset_stats.txt.
+
+    Raises SceneError.
+    """
+    if path.name == OBJECT_TYPES_FILE:
+        return Models(object_types=read_object_types(path))
+    try:
+        refuse_odd_file(path, SceneError)
+        is_list = path.read_text(encoding="utf-8").lstrip().startswith("[")
+    except (OSError, ValueError) as error:
+        raise SceneError(f"cannot be read: {error}", where=str(path)) from None
+    if is_list:
+        return Models(categories=read_models(path))
+    return Models(sizes=read_asset_sizes(path))
+
+
+def foreign_houses(source: Path, models: Models) -> Iterator[Found]:
+    """Every house of a folder, a JSON or .npz file, or a JSON lines file, gzipped or not.
+
+    A folder holds JSON, .npz, a folder with a boxes.npz for each room, or the houses of a batch or
+    release, whose other files are passed over. Each house says by its
+    keys what it is: CHOrD JSON, a house or a room of 3D-FRONT, boxes as ATISS keeps them, a house
+    of ProcTHOR, a flat of FloorplanTransformation. Raises SceneError where source cannot be opened.
+    """
+    if source.is_dir():
+        is_batch = next(source.glob(f"*/{_SCENE}"), None) is not None
+        for pattern in (f"*/{_SCENE}",) if is_batch else ("*.json", "*.npz", f"*/{_BOXES}"):
+            for path in sorted(source.glob(pattern)):
+                yield _read(path, models)
+    elif source.suffix in (".json", ".npz"):
+        yield _read(source, models)
+    else:
+        yield from _lines(source, models)
+
+
+def _read(path: Path, models: Models) -> Found:
+    name = path.parent.name if path.name in (_BOXES, _SCENE) else path.stem
+    try:
+        if path.suffix == ".npz":
+            return Found(name, house_from_record(read_boxes(path), models))
+        refuse_odd_file(path, SceneError, MOST_LINE_BYTES)
+        return _found(name, path.read_bytes(), models)
+    except ChordError as error:
+        return Found(name, None, str(error))
+
+
+def _lines(path: Path, models: Models) -> Iterator[Found]:
+    taken: set[str] = set()
+    for number, line in read_lines(path, SceneError):
+        found = _found(f"{path.name.split('.')[0]}_{number:06d}", line, models)
+        own = _as_name(str(found.house.extra.get("source", ""))) if found.house else ""
+        # Houses that call themselves the same are still two, also where case does not count.
+        name = own if own and own.casefold() not in taken else found.name
+        taken.add(name.casefold())
+        yield found._replace(name=name)
+
+
+def _as_name(source: str) -> str:
+    """What a house calls itself, as the name of a file on any system."""
+    return _NOT_IN_NAMES.sub("_", source)[:_LONGEST_NAME]
+
+
+def _found(name: str, data: bytes, models: Models) -> Found:
+    try:
+        return Found(name, house_from_record(parse_json(data, "", SceneError), models))
+    except ChordError as error:
+        return Found(name, None, str(error))
+
+
+def house_from_record(record: Any, models: Models) -> SceneGraph:
+    """One house by its keys. Raises ChordError where it is none of FORMATS, is broken, or is
+    larger than any house (limits.py)."""
+    if not isinstance(record, Mapping):
+        raise SceneError("no house", expected=FORMATS)
+    try:
+        house = _house(record, models)
+        _refuse_wild(house)
+    except _MALFORMED as error:
+        raise SceneError(f"cannot be understood ({error!r:.200})", expected=FORMATS) from error
+    return house
+
+
+def _refuse_wild(house: SceneGraph) -> None:
+    """Refuse numbers that are none, and houses that are none; CHOrD JSON's reader did already."""
+    boxes = [*(one.box for one in house.openings), *(one.box for one in house.items)]
+    numbers = np.array([(*box.center_m, *box.size_m, box.yaw_deg) for box in boxes]).reshape(-1, 7)
+    across_m = extent_m(house.rooms)
+    near = np.abs(numbers[:, :6]) < _FARTHEST_M
+    if not (np.isfinite(across_m) and np.isfinite(numbers).all() and near.all()):
+        raise SceneError("holds numbers beyond any house", expected="metres")
+    if across_m > LARGEST_HOUSE_M:
+        raise SceneError(
+            f"is {across_m:,.0f} m across", expected=f"at most {LARGEST_HOUSE_M:.0f} m"
+        )
+    corners = sum(len(room.polygon_m) for room in house.rooms)
+    for count, most, what in (
+        (len(house.rooms), MOST_ROOMS, "rooms"),
+        (corners, MOST_CORNERS_IN_ALL, "corners"),
+        (len(house.openings), MOST_OPENINGS, "openings"),
+        (len(house.items), MOST_ITEMS, "pieces"),
+    ):
+        if count > most:
+            raise SceneError(f"has {count:,} {what}", expected=f"at most {most:,}")
+
+
+def _house(record: Mapping[str, Any], models: Models) -> SceneGraph:
+    keys = record.keys()
+    if keys >= {"scene", "furniture", "mesh"}:
+        return house_from_front(record, models.categories)
+    if keys >= {"room_type", "floor", "objects"}:
+        return room_from_record(record)
+    if keys >= BOX_KEYS:
+        return room_from_boxes(record, models.object_types)
+    if keys >= {"rooms", "walls", "objects"}:
+        return house_from_procthor(record, models.sizes)
+    if keys >= {"id", "lines"}:
+        plan = flat_from_lines(record["id"], record["lines"])
+        return SceneGraph(plan.rooms, plan.openings, (), extra=plan.extra)
+    return scene_from_json(record)

@@ -1,0 +1,187 @@
+"""Rooms to learn lists from: furnished anew for ever, in all eight poses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from chord_usd.base.scene.types import ROOM_KINDS, FloatArray, Item, Plan, SceneGraph
+from chord_usd.base.scene.units import rotation_2d
+from chord_usd.line.lists import pieces
+from chord_usd.line.lists.vocabulary import SEGMENT_FIELDS, Floats, Ints, Sequences, sequence_of
+from chord_usd.workshop.data.furnish import furnish
+from chord_usd.workshop.data.houses import random_plan
+from chord_usd.workshop.data.splits import TEST_SEED, training_seed
+
+Batch = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
+"""Segments, facts, flags, roles, left and values: what the network takes."""
+
+HOMES_SHARE = 0.8
+"""Houses furnished as homes; the others as sparsely as the paper's."""
+FLAT_SHARE = 0.35
+"""Houses that are real flats, where there are any."""
+UNTOLD_SHARE = 0.4
+"""Houses whose rooms know nothing of what the others hold."""
+UNNAMED_SHARE = 0.05
+"""Rooms whose kind is not told, as on plans without names."""
+POOL = 12_000
+"""Rooms that are kept and seen again in other poses."""
+NEW_HOUSES = 3
+"""Furnished for each batch."""
+_BUCKETS = 4
+"""Batches that are drawn together and sorted by length, so that little is padding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Example:
+    """One room."""
+
+    around: pieces.Around
+    items: tuple[Item, ...]
+
+
+def examples_of(
+    house: SceneGraph, teacher: pieces.Teacher, rng: np.random.Generator
+) -> list[Example]:
+    """Rooms of a house: each knows of those furnished before it, in random order, or of none."""
+    is_told = rng.random() >= UNTOLD_SHARE
+    order = rng.permutation(len(house.rooms))
+    told = [house.rooms[i].id for i in order[: rng.integers(len(order) + 1)]] if is_told else None
+    arounds = pieces.rooms_around(house, teacher, told)
+    known = frozenset(told or ())
+    found = []
+    for room, around in zip(house.rooms, arounds, strict=True):
+        if room.id not in known:
+            found.append(Example(around, tuple(house.items_of(room.id))))
+    return found
+
+
+def endless_houses(
+    flats: Sequence[Plan],
+    rng: np.random.Generator,
+    procedural: int | None = None,
+    furnished: Sequence[SceneGraph] = (),
+) -> Iterator[tuple[SceneGraph, pieces.Teacher]]:
+    """Furnished houses that may be trained on, and whose they imitate.
+
+    procedural: how many different ones; None for no two alike. furnished: in place of all others.
+    """
+    while furnished:
+        yield furnished[int(rng.integers(len(furnished)))], "homes"
+    while True:
+        if flats and rng.random() < FLAT_SHARE:
+            plan, own = flats[int(rng.integers(len(flats)))], rng
+        else:
+            own = np.random.default_rng(training_seed(rng, procedural))
+            plan = random_plan(own)
+        teacher = pieces.TEACHERS[int(own.random() >= HOMES_SHARE)]
+        yield furnish(plan, own, teacher), teacher
+
+
+def held_out(count: int) -> list[Example]:
+    """The rooms of the first test houses, as homes."""
+    owns = [np.random.default_rng(TEST_SEED + index) for index in range(count)]
+    return examples_in([furnish(random_plan(own), own) for own in owns])
+
+
+def examples_in(houses: Iterable[SceneGraph]) -> list[Example]:
+    """The rooms of these houses, as homes; always the same."""
+    rng = np.random.default_rng(0)
+    return [example for house in houses for example in examples_of(house, "homes", rng)]
+
+
+def endless_batches(
+    flats: Sequence[Plan],
+    batch: int,
+    seed: int,
+    pool: int = POOL,
+    procedural: int | None = None,
+    furnished: Sequence[SceneGraph] = (),
+) -> Iterator[Batch]:
+    """Batches of rooms. A pool of rooms is filled first, and renewed a little with each batch.
+
+    procedural, furnished: as of endless_houses.
+    """
+    rng = np.random.default_rng(seed)
+    houses = endless_houses(flats, rng, procedural, furnished)
+    rooms: list[Example] = []
+    while len(rooms) < min(pool, 20 * batch):
+        rooms += examples_of(*next(houses), rng)
+    while True:
+        for _ in range(NEW_HOUSES * _BUCKETS):
+            for example in examples_of(*next(houses), rng):
+                if len(rooms) < pool:
+                    rooms.append(example)
+                else:
+                    rooms[int(rng.integers(pool))] = example
+        chosen = [rooms[i] for i in rng.integers(len(rooms), size=batch * _BUCKETS)]
+        chosen.sort(key=lambda example: len(example.items))
+        for start in rng.permutation(_BUCKETS) * batch:
+            yield batch_of(chosen[start : start + batch], rng)
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """One list and what it is for, as numbers."""
+
+    segments: Ints
+    """(S, SEGMENT_FIELDS)"""
+    facts: Ints
+    flags: Floats
+    sequence: Sequences
+
+
+def stacked(told: Sequence[Told]) -> Batch:
+    """Lists of one vocabulary side by side, padded to the longest."""
+    longest = max(len(one.sequence.roles) for one in told)
+    most = max(len(one.segments) for one in told)
+    count, slots = len(told), told[0].sequence.values.shape[1]
+    segments = np.zeros((count, most, SEGMENT_FIELDS), np.int64)
+    roles = np.zeros((count, longest), np.int64)
+    left = np.zeros_like(roles)
+    values = np.zeros((count, longest, slots), np.int64)
+    for index, one in enumerate(told):
+        length = len(one.sequence.roles)
+        segments[index, : len(one.segments)] = one.segments
+        roles[index, :length], left[index, :length] = one.sequence.roles, one.sequence.left
+        values[index, :length] = one.sequence.values
+    facts = np.stack([one.facts for one in told])
+    flags = np.stack([one.flags for one in told])
+    arrays = (segments, facts, flags, roles, left, values)
+    found = [torch.from_numpy(array) for array in arrays]
+    return found[0], found[1], found[2], found[3], found[4], found[5]
+
+
+def batch_of(examples: Sequence[Example], rng: np.random.Generator | None = None) -> Batch:
+    """Rooms side by side, each in a pose of its own where rng is given."""
+    told = [_told(example, rng) for example in examples]
+    if rng is not None:
+        for index in np.flatnonzero(rng.random(len(told)) < UNNAMED_SHARE):
+            told[index].facts[0] = ROOM_KINDS.index("unknown")
+    return stacked(told)
+
+
+def _told(example: Example, rng: np.random.Generator | None) -> Told:
+    """A room and its list, in a random pose."""
+    turns, mirrored = (int(rng.integers(4)), bool(rng.integers(2))) if rng else (0, False)
+    around = example.around
+    lines = _posed(around.lines_m, turns, mirrored)
+    elements = pieces.pieces_of(example.items, around.frame, turns, mirrored)
+    segments = pieces.segments_of(around, lines)
+    if rng is not None:
+        segments = rng.permutation(segments)
+    sequence = sequence_of(pieces.PIECES, elements)
+    return Told(segments, around.facts.copy(), around.flags, sequence)
+
+
+def _posed(lines_m: FloatArray, quarter_turns: int, mirrored: bool) -> FloatArray:
+    """(S, 4) segments mirrored in x, then turned; the room stays on their left."""
+    points = lines_m.reshape(-1, 2, 2)
+    if mirrored:
+        points = points[:, ::-1] * (-1.0, 1.0)
+    turned: FloatArray = (points @ rotation_2d(90.0 * quarter_turns).T).reshape(-1, 4)
+    return turned

@@ -1,0 +1,128 @@
+"""Bubble diagrams to learn from: of procedural and of real floor plans."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from chord_usd.base.raster import plan_labels
+from chord_usd.base.raster.bubbles import Bubble, bubbles_of, jittered
+from chord_usd.base.runtime.progress import Progress
+from chord_usd.base.scene.types import Plan
+from chord_usd.base.scene.wish import floor_area_m2
+from chord_usd.line.planning import sketch_tokens as tokens
+from chord_usd.workshop.data.houses import random_plan
+from chord_usd.workshop.data.splits import TEST_SEED, is_test_seed
+
+Batch = tuple[Tensor, Tensor, Tensor, Tensor]
+"""Shell patches, roles, rooms left and values: what the network takes."""
+
+SHELL_CHANCE = 0.5
+"""Chance that the house's outline is seen."""
+_HALF_TURNS = (1.0, -1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Sketched:
+    """A house as far as sketches go; metres from the middle of its sheet."""
+
+    bubbles: tuple[Bubble, ...]
+    area_m2: float
+    cells: tokens.Floats
+    """sketch_tokens.shell_cells."""
+
+
+def sketched(plan: Plan) -> Sketched | None:
+    """What a plan teaches; None where it does not fit on a sheet, or a room's kind is unknown."""
+    scale = plan_labels.fitting_scale(plan)
+    if scale is None or any(room.kind == "unknown" for room in plan.rooms):
+        return None
+    frame = plan_labels.label_frame(plan, scale)
+    shell = plan_labels.open_plan(plan_labels.label_plan(plan, frame), scale)
+    half_m = plan_labels.CANVAS_PX * scale / 2
+    x_m, y_m = frame.origin_m[0] + half_m, frame.origin_m[1] + half_m
+    bubbles = tuple(
+        Bubble(one.kind, one.x_m - x_m, one.y_m - y_m, one.radius_m) for one in bubbles_of(plan)
+    )
+    return Sketched(bubbles, floor_area_m2(plan), tokens.shell_cells(shell, scale))
+
+
+def procedural(count: int, seed: int, progress: Progress | None = None) -> list[Sketched]:
+    """Houses that may be trained on."""
+    rng = np.random.default_rng(seed)
+    found: list[Sketched] = []
+    while len(found) < count:
+        plan_seed = int(rng.integers(2**40))
+        if is_test_seed(plan_seed):
+            continue
+        house = sketched(random_plan(np.random.default_rng(plan_seed)))
+        found += [house] if house else []
+        if progress and len(found) % 100 == 0:
+            progress(len(found), count)
+    return found
+
+
+def held_out(count: int) -> list[Sketched]:
+    """The first test houses."""
+    plans = (random_plan(np.random.default_rng(TEST_SEED + index)) for index in range(2 * count))
+    return [house for plan in plans if (house := sketched(plan))][:count]
+
+
+def endless_batches(
+    houses: Sequence[Sketched], real: Sequence[Sketched], share: float, batch: int, seed: int
+) -> Iterator[Batch]:
+    """Batches of houses in all eight poses, sketched anew each time.
+
+    share: of real ones, in [0, 1], where there are any.
+    """
+    rng = np.random.default_rng(seed)
+    while True:
+        chosen = [
+            real[int(rng.integers(len(real)))]
+            if real and rng.random() < share
+            else houses[int(rng.integers(len(houses)))]
+            for _ in range(batch)
+        ]
+        yield batch_of([_seen_anew(house, rng) for house in chosen])
+
+
+def batch_of(houses: Sequence[Sketched]) -> Batch:
+    """Houses side by side; shorter ones end in empty slots."""
+    found = [tokens.sequence_of(house.bubbles, house.area_m2) for house in houses]
+    longest = max(len(one.roles) for one in found)
+    roles = np.zeros((len(found), longest), np.int64)
+    left = np.zeros_like(roles)
+    values = np.full((*roles.shape, tokens.SLOTS), tokens.NOTHING, np.int64)
+    for index, one in enumerate(found):
+        length = len(one.roles)
+        roles[index, :length], left[index, :length] = one.roles, one.left
+        values[index, :length] = one.values
+    shells = np.stack([tokens.shell_patches(house.cells) for house in houses])
+    return (
+        torch.from_numpy(shells),
+        torch.from_numpy(roles),
+        torch.from_numpy(left),
+        torch.from_numpy(values),
+    )
+
+
+def _seen_anew(house: Sketched, rng: np.random.Generator) -> Sketched:
+    """The house turned, mirrored, sketched by another hand, and its shape left open by chance."""
+    bubbles, cells = jittered(house.bubbles, rng), house.cells
+    across, along = (float(rng.choice(_HALF_TURNS)) for _ in range(2))
+    if across < 0:
+        cells = cells[:, :, ::-1]
+    if along < 0:
+        cells = cells[:, ::-1]
+    moved = [(one, across * one.x_m, along * one.y_m) for one in bubbles]
+    if rng.random() < 0.5:
+        # Rows become columns; rows run against y.
+        cells = cells.transpose(0, 2, 1)
+        moved = [(one, -y_m, -x_m) for one, x_m, y_m in moved]
+    turned = tuple(Bubble(one.kind, x_m, y_m, one.radius_m) for one, x_m, y_m in moved)
+    seen = rng.random() < SHELL_CHANCE
+    return Sketched(turned, house.area_m2, cells if seen else np.zeros_like(cells))
