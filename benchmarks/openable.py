@@ -23,8 +23,8 @@ from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 from results import write_section
 
 from chord_usd.base.scene.articulation import ARTICULATION, JOINTED
+from chord_usd.library.catalogue import designs
 from chord_usd.library.component import write_component
-from chord_usd.library.furniture.catalogue import designs
 from chord_usd.library.kit.links import opens
 from chord_usd.library.kit.model import Design
 from chord_usd.library.material import MapShelf

@@ -33,16 +33,10 @@ TEXTURE_PX = 1024
 """Side of the largest textures of a house unless asked otherwise."""
 
 _GENERATOR = (
-    *(
-        "component.py",
-        "component_prims.py",
-        "material.py",
-        "kit",
-        "surfaces",
-        "furniture",
-        "dressing",
-    ),
-    *("cloth", "looks/look_noise.py", "../base/scene/label_sets.tsv"),
+    *("catalogue.py", "component.py", "component_prims.py", "material.py", "kit", "surfaces"),
+    *("seating", "beds", "tables", "storage", "lighting", "plants", "kitchen", "bath"),
+    *("textiles", "pictures", "objects", "fittings", "cloth", "looks/look_noise.py"),
+    "../base/scene/label_sets.tsv",
 )
 """What the bytes of the assets depend on."""
 
@@ -260,8 +254,8 @@ def build_assets(
     folder must exist and hold none of them yet. chosen: by default every design there is.
     """
     from chord_usd.base.scene.credits import AUTHOR, LICENCE
+    from chord_usd.library.catalogue import designs
     from chord_usd.library.component import write_component
-    from chord_usd.library.furniture.catalogue import designs
 
     assets = []
     catalogue = designs() if chosen is None else tuple(chosen)
@@ -301,7 +295,7 @@ def embedded_assets(texture_px: int = TEXTURE_PX) -> tuple[Asset, ...]:
     Each asset lies in the user's cache once something has asked for it (draw_embedded).
     """
     from chord_usd.base.scene.credits import AUTHOR, LICENCE
-    from chord_usd.library.furniture.catalogue import designs
+    from chord_usd.library.catalogue import designs
 
     folder = embedded_folder(texture_px)
     return tuple(
@@ -350,8 +344,8 @@ def embedded_folder(texture_px: int = TEXTURE_PX) -> Path:
 
 def _draw_into(folder: Path, asset: Asset, map_px: int) -> None:
     """Draw beside the target and rename, so that nobody ever sees half a component."""
+    from chord_usd.library.catalogue import designs
     from chord_usd.library.component import write_component
-    from chord_usd.library.furniture.catalogue import designs
     from chord_usd.library.material import MapShelf
     from chord_usd.library.surfaces.surface_maps import MAPS_FOLDER
 
@@ -379,5 +373,5 @@ def _generator_hash() -> str:
 
 
 def _sources(folder: Path) -> list[Path]:
-    """Code and stored cloths."""
-    return [file for file in folder.iterdir() if file.suffix in (".py", ".npz")]
+    """Code, tables and stored cloths."""
+    return [file for file in folder.iterdir() if file.suffix in (".py", ".tsv", ".npz")]

@@ -14,8 +14,8 @@ import pytest
 from pxr import Usd, UsdGeom
 
 from chord_usd.cli import main
+from chord_usd.library.catalogue import designs
 from chord_usd.library.database import build_assets
-from chord_usd.library.furniture.catalogue import designs
 from chord_usd.line.stage.check.check_stage import check_stage
 
 ROOT = Path(__file__).parents[2]

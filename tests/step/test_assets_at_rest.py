@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.catalogue import designs
 from chord_usd.library.kit.model import Design
 from chord_usd.line.stage.author.physics import GRAVITY_M_PER_S2, KG_PER_M3
 

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.catalogue import designs
 from chord_usd.library.kit.leaf_clearance import CLEAR_M
 from chord_usd.library.kit.links import Link, links_of, opens
 from chord_usd.library.kit.model import Design

@@ -12,9 +12,9 @@ from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdUtils,
 from chord_usd.base.scene.label_sets import wikidata_item
 from chord_usd.base.scene.palette import DRESSING_CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES
 from chord_usd.base.scene.types import Asset
+from chord_usd.library.catalogue import designs
 from chord_usd.library.component import material_path, write_component
 from chord_usd.library.database import build_assets, load_database, read_index
-from chord_usd.library.furniture.catalogue import designs
 from chord_usd.library.kit.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
 from chord_usd.library.kit.model import Design
 from chord_usd.library.surfaces.physical import stuff_of

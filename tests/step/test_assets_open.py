@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdPhysics
 
-from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.catalogue import designs
 from chord_usd.library.kit.links import links_of, opens
 from chord_usd.library.kit.model import Design, Part, hollow_part, moving_part
 from chord_usd.library.kit.moves import Slide, door

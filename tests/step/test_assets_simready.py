@@ -13,8 +13,8 @@ from pxr import Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, UsdV
 from chord_usd.base.scene.articulation import ARTICULATION, JOINTED
 from chord_usd.base.scene.palette import CATEGORIES, Level
 from chord_usd.base.scene.types import Asset
+from chord_usd.library.catalogue import designs
 from chord_usd.library.component import write_component
-from chord_usd.library.furniture.catalogue import designs
 from chord_usd.line.stage.author.physics import usual_mass_kg
 from chord_usd.line.stage.export.exchange.simready import THUMBNAIL_PX, write_simready
 

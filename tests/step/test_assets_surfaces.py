@@ -11,8 +11,8 @@ import pytest
 from pxr import Sdf, Usd, UsdShade
 
 from chord_usd.base.errors import AssetError
+from chord_usd.library.catalogue import designs
 from chord_usd.library.component import write_component
-from chord_usd.library.furniture.catalogue import designs
 from chord_usd.library.kit.model import Design
 from chord_usd.library.kit.shading import corner_uvs_m
 from chord_usd.library.kit.solids import block, cylinder

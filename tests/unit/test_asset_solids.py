@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.affinity import scale
 
-from chord_usd.library.furniture.joinery import felt_round
 from chord_usd.library.kit import solids
+from chord_usd.library.kit.joinery import felt_round
 from chord_usd.library.kit.shading import corner_normals, corner_uvs_m
 from chord_usd.library.kit.solids import Solid
 

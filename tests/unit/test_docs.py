@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from chord_usd.cli import build_parser
-from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.catalogue import designs
 from tests.documents import CARDS, DOCUMENTS, ROOT, command_lines, fences, verb_of
 from tests.every import for_every
 from tests.verbs import ACTIONS, VERBS

@@ -9,7 +9,7 @@ import numpy as np
 
 from chord_usd.base.scene.geometry import footprint
 from chord_usd.base.scene.types import Box, ByteArray, FloatArray, Item
-from chord_usd.library.furniture.catalogue import designs
+from chord_usd.library.catalogue import designs
 from chord_usd.library.kit.model import Design
 from chord_usd.workshop.data.drawn.labelled_canvas import Canvas
 

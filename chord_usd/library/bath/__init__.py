@@ -1,0 +1,1 @@
+"""Bathroom and laundry pieces."""

@@ -1,0 +1,1 @@
+"""Radiators, switches and sockets."""

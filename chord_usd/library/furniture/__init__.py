@@ -1,1 +1,0 @@
-"""Parametric furniture, one module per kind of room or use. catalogue.designs() lists it all."""

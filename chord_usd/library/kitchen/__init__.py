@@ -1,0 +1,1 @@
+"""Kitchen units, appliances and what stands on worktops."""

@@ -1,0 +1,1 @@
+"""Lamps on tables, floors, walls and ceilings."""

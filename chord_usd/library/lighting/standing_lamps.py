@@ -1,0 +1,455 @@
+"""Lamps that stand on floors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from chord_usd.library.kit.forms import (
+    CLASSIC,
+    INDUSTRIAL,
+    JAPANESE,
+    MODERN,
+    SCANDINAVIAN,
+    arc,
+    hollow,
+    outward,
+    sphere_profile,
+)
+from chord_usd.library.kit.model import Design, Draw, Light, Part
+from chord_usd.library.kit.solids import (
+    Size,
+    Solid,
+    bent_path,
+    block,
+    box,
+    cylinder,
+    joined,
+    lathe,
+    tube,
+)
+from chord_usd.library.surfaces.dry_finishes import DRY
+
+
+def bulb(radius_m: float = 0.03) -> Solid:
+    """A bulb, its neck at the origin, its top 2.4 radii higher."""
+    crown = sphere_profile(radius_m, -0.7, 1.0, 8, 1.4 * radius_m)
+    return outward(lathe([(0.4 * radius_m, 0.0), (0.42 * radius_m, 0.3 * radius_m), *crown], 16))
+
+
+def _disc_foot(radius_m: float) -> Solid:
+    r = radius_m
+    return lathe(
+        [(r, 0.0), (r, 0.014), (r - 0.006, 0.02), (0.03, 0.026), (0.012, 0.034), (0.0105, 0.05)], 36
+    )
+
+
+def _felt(foot: Solid, height_m: float) -> tuple[Solid, ...]:
+    """The foot, and a post over it: what stands beside the lamp goes under its shade."""
+    return foot, box((0.03, 0.03, height_m))
+
+
+def _shade(low: float, high: float, wide: float, narrow: float) -> tuple[Part, ...]:
+    """A cloth shade with its rims and the ring that carries it."""
+    skin = hollow([(wide, low), (narrow, high)], 0.0025, 40)
+    rims = [
+        hollow([(wide + 0.001, low - 0.0006), (wide + 0.001, low + 0.007)], 0.005, 40),
+        hollow([(narrow + 0.001, high - 0.007), (narrow + 0.001, high + 0.0006)], 0.005, 40),
+    ]
+    spokes = [
+        block((2 * narrow - 0.004, 0.004, 0.003), 0.001)
+        .turned("z", turn)
+        .moved(z=high - 0.022 + 0.004 * i)
+        for i, turn in enumerate((0, 90))
+    ]
+    return (
+        Part("Shade", skin, "shade", None),
+        Part("Rims", joined(rims), "trim", None),
+        Part("Spokes", joined(spokes), "metal", None),
+    )
+
+
+def drum(size_m: Size) -> tuple[Part, ...]:
+    """A straight post on a disc, under a wide drum."""
+    radius, height = size_m[0] / 2, size_m[2]
+    low = height - 0.3
+    foot = _disc_foot(0.14)
+    pole = cylinder(0.01, low + 0.08, 0.0, 14).moved(z=0.03)
+    return (
+        Part("Foot", foot + pole, "metal", felt=_felt(cylinder(0.14, 0.03), low)),
+        *_shade(low, height, radius, radius),
+        Part("Bulb", bulb(0.032).moved(z=low + 0.1), "bulb", None),
+    )
+
+
+def classic(size_m: Size) -> tuple[Part, ...]:
+    """A turned column under an empire shade."""
+    radius, height = size_m[0] / 2, size_m[2]
+    low = height - 0.3
+    profile = [
+        (0.15, 0.0),
+        (0.15, 0.016),
+        (0.13, 0.03),
+        (0.06, 0.05),
+        (0.03, 0.09),
+        (0.045, 0.12),
+        (0.022, 0.16),
+        (0.016, 0.3),
+        (0.015, low * 0.55),
+        (0.03, low * 0.58),
+        (0.034, low * 0.61),
+        (0.015, low * 0.65),
+        (0.012, low - 0.05),
+        (0.024, low - 0.02),
+        (0.012, low + 0.01),
+        (0.01, low + 0.12),
+        (0.0, low + 0.12),
+    ]
+    finial = lathe([(0.004, 0.0), (0.009, 0.008), (0.004, 0.014), (0.0, 0.024)], 12)
+    return (
+        Part("Column", outward(lathe(profile, 28)), "metal", felt=_felt(cylinder(0.15, 0.03), low)),
+        *_shade(low, height - 0.02, radius, radius * 0.62),
+        Part("Harp", cylinder(0.003, 0.22, 0.0, 8).moved(z=low + 0.07), "metal", None),
+        Part("Finial", finial.moved(z=height - 0.024), "metal", None),
+        Part("Bulb", bulb(0.032).moved(z=low + 0.11), "bulb", None),
+    )
+
+
+def tripod(size_m: Size) -> tuple[Part, ...]:
+    """Three wooden legs that meet under a drum."""
+    radius, height = size_m[0] / 2, size_m[2]
+    low = height - 0.28
+    reach, top = radius * 0.98, 0.03
+    legs, felt = [], []
+    for turn in (90, 210, 330):
+        a = math.radians(turn)
+        foot = np.array([reach * math.cos(a), reach * math.sin(a), 0.0])
+        head = np.array([top * math.cos(a), top * math.sin(a), low - 0.02])
+        t = np.linspace(0, 1, 3)[:, None]
+        leg = tube(foot + t * (head - foot), 0.014, 10)
+        points = leg.points_m.copy()
+        points[:, 2] = np.maximum(points[:, 2], 0.0)
+        legs.append(Solid(points, leg.faces))
+        for share in (0.15, 0.5, 0.85):
+            at = foot + share * (head - foot)
+            felt.append(
+                box((0.05, 0.05, 0.3 * low)).moved(
+                    float(at[0]), float(at[1]), max(share - 0.15, 0.0) * low
+                )
+            )
+    hub = lathe(
+        [(0.03, 0.0), (0.045, 0.008), (0.045, 0.04), (0.02, 0.05), (0.01, 0.07), (0.01, 0.16)], 24
+    )
+    return (
+        Part("Legs", joined(legs), "wood", felt=tuple(felt)),
+        Part("Hub", hub.moved(z=low - 0.055), "metal", None),
+        *_shade(low, height, radius, radius * 0.84),
+        Part("Bulb", bulb(0.032).moved(z=low + 0.1), "bulb", None),
+    )
+
+
+def bow_lamp(size_m: Size) -> tuple[Part, ...]:
+    """A post that bows over and carries a small dome."""
+    length, width, height = size_m
+    dome_r = width / 2
+    foot_r = min(0.13, dome_r)
+    foot_x, head_x = length / 2 - foot_r, -length / 2 + dome_r
+    foot = _disc_foot(foot_r).moved(foot_x)
+    low = height - 0.3
+    path = bent_path(
+        [
+            [foot_x, 0, 0.03],
+            [foot_x, 0, height - 0.008],
+            [head_x, 0, height - 0.008],
+            [head_x, 0, low + 0.19],
+        ],
+        0.28,
+        9,
+    )
+    out = arc((dome_r, 0.0), (dome_r, dome_r * 0.95), (0.02, dome_r * 0.98), 7)
+    inner = [(r - 0.004, z - 0.002) for r, z in out[:-1]]
+    at = {"x": head_x, "z": low + 0.19 - dome_r * 0.98}
+    felt = (cylinder(foot_r, 0.03).moved(foot_x), box((0.03, 0.03, height * 0.8)).moved(foot_x))
+    return (
+        Part("Post", foot + tube(path, 0.0085, 10), "metal", felt=felt),
+        Part("Dome", hollow(out, 0.0025, 30).moved(**at), "metal", None),
+        Part("Inside", hollow(inner, 0.0012, 36).moved(**at), "lining", None),
+        Part("Bulb", bulb(0.03).turned("x", 180).moved(head_x, z=low + 0.16), "bulb", None),
+    )
+
+
+def reader(size_m: Size) -> tuple[Part, ...]:
+    """A jointed arm with a cone, on a heavy foot: from a workshop."""
+    length, width, height = size_m
+    foot_r = width * 0.42
+    foot_x = length / 2 - foot_r
+    foot = _disc_foot(foot_r).moved(foot_x)
+    head_r = width / 2
+    elbow = np.array([foot_x - 0.04, 0.0, height - 0.02])
+    hand = np.array([-length / 2 + head_r + 0.02, 0.0, height - 0.2])
+    waist = np.array([foot_x, 0.0, height * 0.42])
+    rods = [
+        tube([[foot_x, 0, 0.03], waist.tolist()], 0.011, 10),
+        *(
+            tube(
+                [
+                    (waist + np.array([0.0, s * 0.014, 0.0])).tolist(),
+                    (elbow + np.array([0.0, s * 0.014, 0.0])).tolist(),
+                ],
+                0.005,
+                8,
+            )
+            for s in (-1, 1)
+        ),
+        *(
+            tube(
+                [
+                    (elbow + np.array([0.0, s * 0.0145, 0.0])).tolist(),
+                    (hand + np.array([0.0, s * 0.0145, 0.0])).tolist(),
+                ],
+                0.005,
+                8,
+            )
+            for s in (-1, 1)
+        ),
+    ]
+    knuckle = cylinder(0.018, 0.044, 0.003, 18).moved(z=-0.022).turned("x", 90)
+    joints = [
+        knuckle.moved(*map(float, spot)) for spot in (waist, elbow - [0, 0, 0.018 - 0.02], hand)
+    ]
+    cone = [(head_r, 0.0), (0.04, 0.13), (0.034, 0.18), (0.02, 0.19)]
+    inner = [(head_r - 0.004, -0.002), (0.036, 0.126)]
+    tilt = 16.0
+    parts = []
+    for name, solid, slot in (
+        ("Cone", hollow(cone, 0.0025, 32), "metal"),
+        ("Inside", hollow(inner, 0.0012, 32), "lining"),
+        ("Bulb", bulb(0.03).turned("x", 180).moved(z=0.12), "bulb"),
+    ):
+        parts.append(
+            Part(
+                name,
+                solid.moved(z=-0.17).turned("y", tilt).moved(float(hand[0]), 0.0, float(hand[2])),
+                slot,
+                None,
+            )
+        )
+    felt = (cylinder(foot_r, 0.03).moved(foot_x), box((0.03, 0.03, height * 0.9)).moved(foot_x))
+    return (
+        Part("Post", joined([foot, *rods]), "metal", felt=felt),
+        Part("Joints", joined(joints), "trim", None),
+        *parts,
+    )
+
+
+def column(size_m: Size) -> tuple[Part, ...]:
+    """A paper column in a wooden frame."""
+    length, width, height = size_m
+    post = 0.018
+    at_x, at_y = (length - post) / 2, (width - post) / 2
+    posts = [
+        block((post, post, height), 0.002).moved(sx * at_x, sy * at_y)
+        for sx in (-1, 1)
+        for sy in (-1, 1)
+    ]
+    rails = []
+    for z in (0.1, 0.36, 0.62, 0.88):
+        for s in (-1, 1):
+            rails.append(
+                block((length - 2 * post + 0.002, 0.008, 0.012), 0.001).moved(
+                    y=s * at_y, z=z * height
+                )
+            )
+            rails.append(
+                block((0.008, width - 2 * post + 0.002, 0.0115), 0.001).moved(
+                    x=s * at_x, z=z * height
+                )
+            )
+    for s in (-1, 1):
+        rails.append(
+            block((0.007, 0.007, 0.78 * height), 0.001).moved(y=s * at_y, z=0.1 * height + 0.002)
+        )
+        rails.append(
+            block((0.007, 0.007, 0.78 * height), 0.001).moved(x=s * at_x, z=0.1 * height + 0.002)
+        )
+    walls = [
+        block((length - 2 * post + 0.006, 0.002, 0.78 * height), 0.0005).moved(
+            y=s * (at_y - 0.006), z=0.105 * height
+        )
+        for s in (-1, 1)
+    ]
+    walls += [
+        block((0.002, width - 2 * post - 0.004, 0.78 * height), 0.0005).moved(
+            x=s * (at_x - 0.006), z=0.105 * height
+        )
+        for s in (-1, 1)
+    ]
+    return (
+        Part("Frame", joined([*posts, *rails]), "wood"),
+        Part("Paper", joined(walls), "paper", None),
+        Part("Bulb", bulb(0.04).moved(z=height * 0.45), "bulb", None),
+        Part(
+            "Base",
+            block((length - post, width - post, 0.014), 0.002).moved(z=0.1 * height - 0.004),
+            "wood",
+            None,
+        ),
+    )
+
+
+def lantern(size_m: Size) -> tuple[Part, ...]:
+    """A tall crumpled paper lantern on three wire feet."""
+    radius, height = size_m[0] / 2, size_m[2]
+    ribs, low = 11, 0.1
+    out = []
+    for index in range(2 * ribs + 1):
+        share = index / (2 * ribs)
+        swell = (
+            radius
+            * (0.62 + 0.38 * math.sin(math.pi * (0.1 + 0.8 * share)))
+            * (1.0 if index % 2 == 0 else 0.96)
+        )
+        out.append((swell, low + share * (height - low)))
+    peak = max(r for r, _ in out)
+    out = [(r * radius / peak, z) for r, z in out]
+    feet = [
+        tube([[out[0][0] * 0.9, 0, 0.004], [out[0][0] * 0.9, 0, low + 0.02]], 0.004, 8).turned(
+            "z", a
+        )
+        for a in (30, 150, 270)
+    ]
+    ring_ = hollow([(out[0][0] * 0.93, 0.0), (out[0][0] * 0.93, 0.008)], 0.008, 32)
+    return (
+        Part("Paper", hollow(out, 0.002, 28), "paper", None),
+        Part("Feet", joined([*feet, ring_]), "metal", felt=(cylinder(radius * 0.9, height),)),
+        Part("Bulb", bulb(0.05).moved(z=height * 0.45), "bulb", None),
+    )
+
+
+def globes(size_m: Size) -> tuple[Part, ...]:
+    """A slim post with an opal ball at its top and one on an arm."""
+    length, width, height = size_m
+    r = 0.11
+    foot = _disc_foot(min(width, length) / 2)
+    high = height - r * 0.9
+    arm_z, arm_x = height * 0.66, length / 2 - 0.085
+    bend = bent_path(
+        [[0, 0, arm_z - 0.16], [arm_x, 0, arm_z - 0.16], [arm_x, 0, arm_z - 0.05]], 0.07, 5
+    )
+    post = cylinder(0.009, high - r - 0.02, 0.0, 12).moved(z=0.03)
+    cups = [
+        lathe([(0.012, 0.0), (0.034, 0.012), (0.036, 0.02)], 20).moved(x, z=z)
+        for x, z in ((0.0, high - r - 0.01), (arm_x, arm_z - 0.06))
+    ]
+    balls = [
+        outward(lathe(sphere_profile(radius, steps=14), 28)).moved(x, z=z)
+        for radius, x, z in ((r * 0.9, 0.0, high), (0.085, arm_x, arm_z + 0.035))
+    ]
+    return (
+        Part(
+            "Post",
+            joined([foot, post, tube(bend, 0.007, 10), *cups]),
+            "metal",
+            felt=_felt(cylinder(width * 0.45, 0.03), high - r),
+        ),
+        Part("Globes", joined(balls), "opal", None),
+    )
+
+
+def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
+    base = {
+        "bulb": "bulb",
+        "opal": "opal_glass",
+        "paper": "paper_shade",
+        "lining": "warm_white",
+        "shade": "linen_shade",
+        "trim": "linen",
+        "wood": "oak",
+        "metal": "black_metal",
+    }
+    return {name: {**base, **way} for name, way in ways.items()}
+
+
+_CLOTH = _looks(
+    black={"shade": "white_shade", "trim": "white"},
+    brass={"metal": "brass"},
+    grey={"shade": "grey_shade", "trim": "charcoal_cloth"},
+)
+_CLASSIC = _looks(
+    brass={"metal": "antique_brass"}, bronze={"metal": "bronze"}, white={"metal": "chalk"}
+)
+_WOOD = _looks(
+    oak={},
+    walnut={"wood": "walnut", "metal": "brass"},
+    black_stain={"wood": "black_stain"},
+    bamboo={"wood": "bamboo_wood"},
+)
+_METAL = _looks(
+    black={"metal": "black", "trim": "brass"},
+    brass={"metal": "brass", "trim": "brass"},
+    white={"metal": "white", "trim": "white"},
+)
+_RAW = _looks(
+    black_metal={"trim": "antique_brass"}, gunmetal={"metal": "gunmetal", "trim": "copper"}
+)
+_PAPER = _looks(white={}, black_metal={"paper": "paper_shade", "metal": "gunmetal"})
+
+
+def _design(
+    name: str,
+    size_m: Size,
+    draw: Draw,
+    looks: dict,
+    styles: tuple[str, ...],
+    at_m: tuple[float, float, float],
+    lumens: float = 800.0,
+) -> Design:
+    return Design(name, "floor_lamp", size_m, draw, looks, DRY, styles, Light(at_m, 0.05, lumens))
+
+
+DESIGNS = (
+    _design(
+        "Floor_Lamp_Drum",
+        (0.42, 0.42, 1.55),
+        drum,
+        _CLOTH,
+        (MODERN, SCANDINAVIAN),
+        (0.0, 0.0, 1.41),
+    ),
+    _design(
+        "Floor_Lamp_Column", (0.42, 0.42, 1.6), classic, _CLASSIC, (CLASSIC,), (0.0, 0.0, 1.46)
+    ),
+    _design(
+        "Floor_Lamp_Tripod",
+        (0.46, 0.46, 1.5),
+        tripod,
+        _WOOD,
+        (SCANDINAVIAN, JAPANESE, MODERN),
+        (0.0, 0.0, 1.37),
+    ),
+    _design(
+        "Floor_Lamp_Bow",
+        (0.6, 0.28, 1.55),
+        bow_lamp,
+        _METAL,
+        (MODERN, SCANDINAVIAN),
+        (-0.16, 0.0, 1.35),
+    ),
+    _design(
+        "Floor_Lamp_Reader", (0.6, 0.3, 1.5), reader, _RAW, (INDUSTRIAL,), (-0.14, 0.0, 1.18), 600.0
+    ),
+    _design("Floor_Lamp_Paper", (0.3, 0.3, 1.25), column, _WOOD, (JAPANESE,), (0.0, 0.0, 0.62)),
+    _design(
+        "Floor_Lamp_Lantern",
+        (0.36, 0.36, 1.2),
+        lantern,
+        _PAPER,
+        (JAPANESE, SCANDINAVIAN),
+        (0.0, 0.0, 0.65),
+    ),
+    _design(
+        "Floor_Lamp_Globes", (0.31, 0.28, 1.6), globes, _METAL, (MODERN, CLASSIC), (0.0, 0.0, 1.5)
+    ),
+)

@@ -1,0 +1,363 @@
+"""Lamps that stand on tables; they shine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from chord_usd.library.kit.forms import (
+    CLASSIC,
+    INDUSTRIAL,
+    JAPANESE,
+    MODERN,
+    SCANDINAVIAN,
+    arc,
+    hollow,
+    outward,
+    sphere_profile,
+)
+from chord_usd.library.kit.joinery import felt_round
+from chord_usd.library.kit.model import Design, Light, Part
+from chord_usd.library.kit.solids import (
+    Size,
+    block,
+    cylinder,
+    joined,
+    lathe,
+    rounded_profile,
+    tube,
+)
+from chord_usd.library.lighting.standing_lamps import bulb
+from chord_usd.library.surfaces.dry_finishes import DRY
+
+Draw = Callable[[Size], tuple[Part, ...]]
+
+
+def _shade(low: float, high: float, wide: float, narrow: float) -> tuple[Part, ...]:
+    """A cloth shade with its rims and spokes."""
+    skin = hollow([(wide, low), (narrow, high)], 0.0022, 36)
+    rims = [
+        hollow([(wide + 0.0006, low - 0.0004), (wide + 0.0006, low + 0.005)], 0.0034, 36),
+        hollow([(narrow + 0.0006, high - 0.005), (narrow + 0.0006, high + 0.0004)], 0.0034, 36),
+    ]
+    spokes = [
+        block((2 * narrow - 0.004, 0.003, 0.002), 0.0006)
+        .turned("z", turn)
+        .moved(z=high - 0.014 + 0.0025 * i)
+        for i, turn in enumerate((15, 105))
+    ]
+    # Nothing stands on a shade, and what is flat goes under it.
+    felt = felt_round(cylinder(narrow * 0.9, high - low).moved(z=low))
+    return (
+        Part("Shade", skin, "shade", felt=felt),
+        Part("Rims", joined(rims), "trim", collider=None),
+        Part("Spokes", joined(spokes), "metal", collider=None),
+    )
+
+
+def ball(size_m: Size) -> tuple[Part, ...]:
+    """A glazed ball under a drum."""
+    radius, height = size_m[0] / 2, size_m[2]
+    low = height * 0.54
+    r = min(radius * 0.72, low * 0.44)
+    neck = low + height * 0.05
+    profile = [
+        (r * 0.5, 0.0),
+        (r * 0.56, 0.006),
+        (r * 0.5, 0.014),
+        *sphere_profile(r, -0.82, 0.94, 14, 0.012 + 0.82 * r),
+    ]
+    top = profile[-1][1]
+    body = outward(
+        lathe([*profile, (0.014, top + 0.004), (0.014, top + 0.014), (0.0, top + 0.014)], 32)
+    )
+    stem = cylinder(0.007, max(neck - top, 0.02), 0.0, 12).moved(z=top + 0.008)
+    return (
+        Part("Foot", body, "ceramic"),
+        Part("Stem", stem, "metal", collider=None),
+        *_shade(low, height, radius, radius * 0.86),
+        Part("Bulb", bulb(0.024).moved(z=low + height * 0.08), "bulb", collider=None),
+    )
+
+
+def turned(size_m: Size) -> tuple[Part, ...]:
+    """A turned column on a stepped foot under an empire shade."""
+    radius, height = size_m[0] / 2, size_m[2]
+    low, r = height * 0.55, radius * 0.56
+    h = low
+    profile = [
+        (r, 0.0),
+        (r, 0.01),
+        (r * 0.86, 0.016),
+        (r * 0.82, 0.024),
+        (r * 0.4, 0.034),
+        (r * 0.24, 0.05),
+        (r * 0.44, h * 0.24),
+        (r * 0.6, h * 0.42),
+        (r * 0.5, h * 0.58),
+        (r * 0.2, h * 0.72),
+        (r * 0.28, h * 0.76),
+        (r * 0.16, h * 0.82),
+    ]
+    body = [
+        *profile[:4],
+        *rounded_profile(profile[3:], 1)[1:],
+        (0.007, h * 0.9),
+        (0.007, h * 1.14),
+        (0.0, h * 1.14),
+    ]
+    finial = lathe([(0.003, 0.0), (0.007, 0.006), (0.003, 0.011), (0.0, 0.018)], 12)
+    return (
+        Part("Foot", outward(lathe(body, 32)), "ceramic"),
+        *_shade(low, height - 0.014, radius, radius * 0.6),
+        Part(
+            "Harp",
+            cylinder(0.002, height - h * 1.1 - 0.016, 0.0, 8).moved(z=h * 1.1),
+            "metal",
+            collider=None,
+        ),
+        Part("Finial", finial.moved(z=height - 0.018), "metal", collider=None),
+        Part("Bulb", bulb(0.026).moved(z=low + height * 0.07), "bulb", collider=None),
+    )
+
+
+def mushroom(size_m: Size) -> tuple[Part, ...]:
+    """A dome on a stem, of one colour, its light below."""
+    radius, height = size_m[0] / 2, size_m[2]
+    low = height * 0.56
+    tall = height - low
+    foot = [
+        (radius * 0.62, 0.0),
+        (radius * 0.62, 0.006),
+        *arc((radius * 0.58, 0.016), (radius * 0.2, 0.03), (radius * 0.17, height * 0.3), 6),
+        (radius * 0.15, low + tall * 0.4),
+        (0.0, low + tall * 0.4),
+    ]
+    dome = arc((radius, low), (radius, height * 0.99), (0.012, height), 10)
+    inner = [(r - 0.003, z - 0.0015) for r, z in dome[:-1]]
+    felt = felt_round(cylinder(radius * 0.75, tall * 0.9).moved(z=low))
+    return (
+        Part("Foot", outward(lathe(foot, 32)), "metal"),
+        Part("Dome", hollow(dome, 0.0022, 36), "metal", felt=felt),
+        Part("Inside", hollow(inner, 0.001, 36), "lining", collider=None),
+        Part(
+            "Knob",
+            lathe([(0.009, 0.0), (0.011, 0.004), (0.0, 0.009)], 16).moved(z=height - 0.007),
+            "trim",
+            collider=None,
+        ),
+        Part("Bulb", bulb(0.024).moved(z=low + tall * 0.3), "bulb", collider=None),
+    )
+
+
+def globe(size_m: Size) -> tuple[Part, ...]:
+    """An opal ball on a low wooden block."""
+    radius, height = size_m[0] / 2, size_m[2]
+    base_h = height - 2 * radius * 0.97
+    base = [
+        (0.0, 0.0),
+        (radius * 0.5, 0.0),
+        (radius * 0.52, 0.004),
+        (radius * 0.46, base_h),
+        (radius * 0.44, base_h + 0.006),
+        (0.0, base_h + 0.006),
+    ]
+    glass = sphere_profile(radius, -0.94, 1.0, 14, height - radius)
+    return (
+        Part("Foot", outward(lathe(base, 32)), "wood"),
+        Part(
+            "Globe",
+            outward(lathe([(0.0, glass[0][1]), *glass], 32)),
+            "opal",
+            felt=felt_round(cylinder(radius * 0.8, radius).moved(z=height - 1.5 * radius)),
+        ),
+        Part(
+            "Collar",
+            hollow([(radius * 0.44, base_h - 0.002), (radius * 0.43, base_h + 0.012)], 0.004, 32),
+            "metal",
+            collider=None,
+        ),
+    )
+
+
+def andon(size_m: Size) -> tuple[Part, ...]:
+    """A paper box in a wooden frame."""
+    length, width, height = size_m
+    post = 0.012
+    at_x, at_y = (length - post) / 2, (width - post) / 2
+    posts = [
+        block((post, post, height), 0.0015).moved(sx * at_x, sy * at_y)
+        for sx in (-1, 1)
+        for sy in (-1, 1)
+    ]
+    rails = []
+    for _index, share in enumerate((0.1, 0.52, 0.9)):
+        for s in (-1, 1):
+            rails.append(
+                block((length - 2 * post + 0.002, 0.007, 0.008), 0.001).moved(
+                    y=s * at_y, z=share * height
+                )
+            )
+            rails.append(
+                block((0.007, width - 2 * post + 0.002, 0.0075), 0.001).moved(
+                    x=s * at_x, z=share * height + 0.0002
+                )
+            )
+    tall = 0.8 * height
+    z = 0.102 * height
+    walls = [
+        block((length - 2 * post + 0.004, 0.0016, tall), 0.0004).moved(y=s * (at_y - 0.005), z=z)
+        for s in (-1, 1)
+    ]
+    walls += [
+        block((0.0016, width - 2 * post - 0.003, tall), 0.0004).moved(x=s * (at_x - 0.005), z=z)
+        for s in (-1, 1)
+    ]
+    base = block((length - post, width - post, 0.01), 0.001).moved(z=0.1 * height - 0.006)
+    return (
+        Part("Frame", joined([*posts, *rails]), "wood"),
+        Part("Base", base, "wood", collider=None),
+        Part("Paper", joined(walls), "paper", collider=None),
+        Part("Bulb", bulb(0.026).moved(z=height * 0.3), "bulb", collider=None),
+    )
+
+
+def desk_lamp(size_m: Size) -> tuple[Part, ...]:
+    """A jointed arm with springs of two rods and a cone."""
+    length, width, height = size_m
+    foot_r = min(length * 0.26, width * 0.5)
+    foot_x = length / 2 - foot_r
+    head_r = width * 0.36
+    waist = np.array([foot_x, 0.0, 0.05])
+    elbow = np.array([length / 2 - 0.02, 0.0, height * 0.62])
+    hand = np.array([-length / 2 + head_r + 0.03, 0.0, height - 0.05])
+    foot = lathe(
+        [(foot_r, 0.0), (foot_r, 0.008), (foot_r - 0.006, 0.016), (0.02, 0.02), (0.012, 0.05)], 36
+    ).moved(foot_x)
+    rods = [
+        tube(
+            [
+                (a + np.array([0.0, s * aside, 0.0])).tolist(),
+                (b + np.array([0.0, s * aside, 0.0])).tolist(),
+            ],
+            0.0036,
+            8,
+        )
+        for a, b, aside in ((waist, elbow, 0.009), (elbow, hand, 0.0085))
+        for s in (-1, 1)
+    ]
+    knuckle = cylinder(0.011, 0.028, 0.002, 16).moved(z=-0.014).turned("x", 90)
+    joints = [knuckle.moved(*map(float, spot)) for spot in (waist, elbow, hand)]
+    cone = [
+        (head_r, 0.0),
+        (head_r - 0.002, 0.008),
+        (0.03, head_r * 1.25),
+        (0.024, head_r * 1.7),
+        (0.012, head_r * 1.8),
+    ]
+    inner = [(r - 0.0035, z - 0.001) for r, z in cone[:3]]
+    tilt = 24.0
+    parts = []
+    for name, solid, slot in (
+        ("Head", hollow(cone, 0.002, 32), "metal"),
+        ("Inside", hollow(inner, 0.001, 32), "lining"),
+        ("Bulb", bulb(0.022).turned("x", 180).moved(z=head_r * 1.15), "bulb"),
+    ):
+        placed = (
+            solid.moved(z=-head_r * 1.6)
+            .turned("y", tilt)
+            .moved(float(hand[0]), 0.0, float(hand[2]))
+        )
+        collider = "convexHull" if name == "Head" else None
+        parts.append(Part(name, placed, slot, collider=collider))  # type: ignore[arg-type]
+    return (
+        Part("Foot", foot, "metal"),
+        Part("Arm", joined(rods), "metal", collider=None),
+        Part("Joints", joined(joints), "trim", collider=None),
+        *parts,
+    )
+
+
+def _looks(**ways: dict[str, str]) -> dict[str, dict[str, str]]:
+    base = {
+        "shade": "linen_shade",
+        "trim": "linen",
+        "metal": "brass",
+        "bulb": "bulb",
+        "opal": "opal_glass",
+        "paper": "paper_shade",
+        "lining": "warm_white",
+        "wood": "oak",
+        "ceramic": "stoneware",
+    }
+    return {name: {**base, **way} for name, way in ways.items()}
+
+
+_GLAZED = _looks(
+    brass={"ceramic": "celadon"},
+    black={
+        "ceramic": "dark_stoneware",
+        "metal": "black_metal",
+        "shade": "white_shade",
+        "trim": "white",
+    },
+    clay={"ceramic": "clay"},
+)
+_TURNED = _looks(
+    brass={"ceramic": "antique_brass"},
+    black={"ceramic": "dark_walnut"},
+    white={"ceramic": "chalk", "shade": "grey_shade", "trim": "grey_cloth"},
+)
+_PAINTED = _looks(
+    brass={"metal": "brass", "trim": "brass"},
+    black={"metal": "black", "trim": "brass"},
+    sage={"metal": "sage", "trim": "brass"},
+)
+_ARM = _looks(
+    brass={"metal": "antique_brass", "trim": "black_metal"},
+    black={"metal": "black_metal", "trim": "brass"},
+    white={"metal": "white", "trim": "oak"},
+)
+_WOOD = _looks(
+    brass={}, black={"wood": "black_stain", "metal": "black_metal"}, walnut={"wood": "walnut"}
+)
+
+
+def _design(
+    name: str,
+    size_m: Size,
+    draw: Draw,
+    looks: dict,
+    styles: tuple[str, ...],
+    light_m: float,
+    x_m: float = 0.0,
+) -> Design:
+    return Design(
+        name,
+        "table_lamp",
+        size_m,
+        draw,
+        looks,
+        DRY,
+        styles,
+        Light((x_m, 0.0, light_m), 0.03, 450.0),
+    )
+
+
+DESIGNS = (
+    _design("Lamp_Shade_Small", (0.22, 0.22, 0.4), ball, _GLAZED, (MODERN, SCANDINAVIAN), 0.28),
+    _design("Lamp_Shade_Large", (0.32, 0.32, 0.55), turned, _TURNED, (CLASSIC,), 0.4),
+    _design("Lamp_Shade", (0.26, 0.26, 0.45), ball, _GLAZED, (MODERN, SCANDINAVIAN, CLASSIC), 0.32),
+    _design(
+        "Lamp_Mushroom",
+        (0.24, 0.24, 0.36),
+        mushroom,
+        _PAINTED,
+        (MODERN, SCANDINAVIAN, INDUSTRIAL),
+        0.27,
+    ),
+    _design("Lamp_Globe", (0.2, 0.2, 0.3), globe, _WOOD, (MODERN, JAPANESE, SCANDINAVIAN), 0.2),
+    _design("Lamp_Paper_Box", (0.18, 0.18, 0.34), andon, _WOOD, (JAPANESE,), 0.16),
+    _design("Lamp_Arm", (0.36, 0.18, 0.46), desk_lamp, _ARM, (INDUSTRIAL, MODERN), 0.32, -0.08),
+)

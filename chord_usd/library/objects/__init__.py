@@ -1,0 +1,1 @@
+"""Small objects on desks and shelves."""

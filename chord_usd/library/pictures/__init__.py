@@ -1,0 +1,1 @@
+"""Pictures, panels, mirrors and clocks."""

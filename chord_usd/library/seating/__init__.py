@@ -1,0 +1,1 @@
+"""Sofas, armchairs and chairs."""

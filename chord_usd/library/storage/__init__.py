@@ -1,0 +1,1 @@
+"""Cabinets, shelves, boxes and baskets."""

@@ -1,0 +1,1 @@
+"""Curtains, blinds, rugs, cushions and towels."""
