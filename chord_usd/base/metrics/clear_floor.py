@@ -292,9 +292,15 @@ class ClearFloors:
     def __init__(self, clear: Sequence[ClearFloor]) -> None:
         self.openings = [opening for opening, _ in clear]
         self._tree = shapely.STRtree([floor for _, floor in clear])
+        self._bounds = shapely.bounds([floor for _, floor in clear]).reshape(-1, 4)
 
     def before(self, box: Box) -> list[tuple[Opening, shapely.Geometry]]:
         """Openings that a box stands before, and their clear floor."""
+        reach = np.hypot(*box.size_m[:2]) / 2
+        middle = np.array(box.center_m[:2])
+        low, high = self._bounds[:, :2] - reach, self._bounds[:, 2:] + reach
+        if not ((low < middle) & (middle < high)).all(axis=1).any():
+            return []
         shape = footprint_polygon(box)
         near = np.sort(self._tree.query(shape, predicate="intersects"))
         floors = self._tree.geometries[near]

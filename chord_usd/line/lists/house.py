@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.base.metrics.complete import ESSENTIALS, lacking
+from chord_usd.base.metrics.design import ROOM_RULES
 from chord_usd.base.metrics.rooms import stands_in
-from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import ROOM_KINDS, Item, Plan, Room, SceneGraph
 from chord_usd.line.lists.list_sampler import HEAT, Drawer, Drawn, Heat, Subject, without
@@ -26,16 +25,17 @@ from chord_usd.line.lists.pieces import (
     rooms_around,
     segments_of,
 )
+from chord_usd.line.lists.ranking import Ranking
 from chord_usd.line.lists.wishes import Asked, Piece
 
-WISHED = 4
+WISHED = 2
 """Times as many drafts."""
 
 NEW_PLACES = Heat(places=0.6)
 """For pieces that stood wrongly: at the usual heat they would stand where they stood."""
 
-ROUNDS = 4
-"""So often at most drafts are drawn of a room, as long as the best of it has faults."""
+UNRULED = 3
+"""Drafts of a room that no planning rule is asked of."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,8 @@ class Drafts:
 
     seed: int = 0
     count: int = 1
-    """Of each room in a round, as long as it has faults: the same pieces in other places, WISHED
-    times as many where something is wanted. The one with the fewest faults is taken."""
+    """Whole lists of each room, WISHED times as many where something is wanted; the room and the
+    home that cost least by metrics.design.price are taken."""
     teacher: Teacher = "homes"
 
 
@@ -76,34 +76,11 @@ def furnish_by_lists(
     rng = np.random.default_rng(drafts.seed)
     clear = ClearFloors(list(clearances(plan.rooms, plan.openings)))
     table = _Table(jobs, wishes, drawer, drafts, rng, clear)
-    best: dict[int, _Try] = {}
-    first: dict[int, Drawn] = {}
-    due = list(range(len(jobs)))
-
-    def keep_best(drawn: Mapping[int, Sequence[Drawn]]) -> list[int]:
-        """Returns the rooms that still have faults."""
-        _keep_best(house, jobs, wishes, table.told(drawn), best)
-        return [at for at in due if best[at].key > _FAULTLESS]
-
-    for _ in range(ROUNDS if drafts.count > 1 else 1):
-        held = table.held(due, first)
-        first = held | first
-        due = keep_best({at: [own] for at, own in held.items()})
-        due = keep_best(table.placed_anew({at: held[at] for at in due}))
-        if not due:
-            break
-    return replace(house, items=(*there, *(item for at in sorted(best) for item in best[at].items)))
-
-
-class _Try(NamedTuple):
-    """A draft of a room that is the best so far."""
-
-    key: tuple[int, float]
-    """What it lacks of what is wanted, and its faults."""
-    items: list[Item]
-
-
-_FAULTLESS = (0, 0.0)
+    ranking = Ranking(house, [room for room, _ in jobs], wishes)
+    ranking.weigh(table.told(table.whole()))
+    short = [at for at in range(len(jobs)) if drafts.count > 1 and ranking.lacks(at)]
+    ranking.weigh(table.told(table.of_their_kind(short)))
+    return replace(house, items=(*there, *ranking.chosen()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,29 +94,35 @@ class _Table:
     rng: np.random.Generator
     clear: ClearFloors
 
-    def held(self, due: Sequence[int], before: Mapping[int, Drawn]) -> dict[int, Drawn]:
-        """One list for each of these rooms; of several where there was one before, one that lacks
-        least of what rooms of its kind cannot do without; of these the one nearest in length to
-        that before that is not shorter, or else the longest.
-        """
-        order = [(at, own) for at in due for own in self._subjects(at, before.get(at))]
+    def whole(self) -> dict[int, list[Drawn]]:
+        """Lists of every room: what it holds, and where."""
+        order = [
+            (at, self._subject(at)) for at in range(len(self.jobs)) for _ in range(self._count(at))
+        ]
+        return self._lengthened(self._drawn(order))
 
-        def unlike(at: int, drawn: Drawn) -> tuple[int, int, int]:
-            longer = len(drawn.elements) - (len(before[at].elements) if at in before else 0)
-            return self._lacks(at, drawn), max(-longer, 0), abs(longer)
+    def of_their_kind(self, due: Sequence[int]) -> dict[int, list[Drawn]]:
+        """Lists of what rooms of their kind need alone. A room of a size that is rare for its kind
+        is taken for one of another kind, and its lists lack what its own needs."""
+        order = [(at, self._as_its_kind(at)) for at in due for _ in range(self._count(at))]
+        return self._lengthened(self._drawn(order))
 
-        return {
-            at: min(own, key=lambda drawn: unlike(at, drawn))
-            for at, own in self._drawn(order).items()
-        }
+    def _count(self, at: int) -> int:
+        room, _ = self.jobs[at]
+        wished = WISHED if self.wishes[at].wanted else 1
+        ruled = room.kind in ROOM_RULES or room.kind in ESSENTIALS
+        return max(1, wished * (self.drafts.count if ruled else min(UNRULED, self.drafts.count)))
 
-    def _subjects(self, at: int, before: Drawn | None) -> list[Subject]:
-        """What to draw lists of. A room of a size that is rare for its kind is taken for one of
-        another kind, and its lists lack what its own needs: then some are of that alone."""
-        if before is None:
-            return [self._subject(at)]
-        plain = [self._subject(at)] * self.drafts.count
-        return plain + [self._as_its_kind(at)] * (len(plain) if self._lacks(at, before) else 0)
+    def _lengthened(self, found: dict[int, list[Drawn]]) -> dict[int, list[Drawn]]:
+        """The lists, and others around pieces that were made as long as they are wanted."""
+        again = [
+            (at, _lengthened(self._subject(at), self.jobs[at][1], self.wishes[at], drawn, nth))
+            for at, own in found.items() if self.wishes[at].has_lengths
+            for nth, drawn in enumerate(own)
+        ]  # fmt: skip
+        for at, own in self._drawn(again, NEW_PLACES).items():
+            found[at] = found[at] + own
+        return found
 
     def _as_its_kind(self, at: int) -> Subject:
         room, around = self.jobs[at]
@@ -154,32 +137,6 @@ class _Table:
         # Nothing else: what the network would add is of the other kind.
         own = replace(asked, wanted=(*asked.wanted, *wanted), excluded=frozenset(PIECES.categories))
         return _subject(around, own)
-
-    def _lacks(self, at: int, drawn: Drawn) -> int:
-        room, _ = self.jobs[at]
-        held = [PIECES.categories[one.category] for one in drawn.elements]
-        return len(lacking(room.kind, room_polygon(room).area, held))
-
-    def placed_anew(self, held: Mapping[int, Drawn]) -> dict[int, list[Drawn]]:
-        """The rest of the drafts, of the same pieces in other places.
-
-        What a room holds is drawn once: fewest faults among lists of any length would be fewest
-        pieces.
-        """
-        order = []
-        for at, drawn in held.items():
-            count = self.drafts.count * (WISHED if self.wishes[at].wanted else 1) - 1
-            order += [(at, _of_these(self._subject(at), drawn))] * count
-        found = self._drawn(order, NEW_PLACES)
-        # Once more, around pieces that were made as long as they are wanted.
-        again = [
-            (at, _lengthened(self._subject(at), self.jobs[at][1], self.wishes[at], drawn, nth))
-            for at, own in found.items() if self.wishes[at].has_lengths
-            for nth, drawn in enumerate((held[at], *own))
-        ]  # fmt: skip
-        for at, own in self._drawn(again, NEW_PLACES).items():
-            found[at] += own
-        return found
 
     def told(self, drawn: Mapping[int, Sequence[Drawn]]) -> dict[int, list[list[Item]]]:
         """As pieces in the plan."""
@@ -200,15 +157,6 @@ class _Table:
         for (at, _), one in zip(order, drawn, strict=True):
             found.setdefault(at, []).append(one)
         return found
-
-
-def _of_these(subject: Subject, drawn: Drawn) -> Subject:
-    """The subject that shall hold just what this list holds."""
-    held = [one.category for one in drawn.elements]
-    for one in subject.kept:
-        if one.category in held:
-            held.remove(one.category)
-    return replace(subject, wanted=tuple(held), excluded=without(PIECES.categories, PIECES))
 
 
 def _subject(around: Around, asked: Asked) -> Subject:
@@ -241,24 +189,3 @@ def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at
             given.append(of_length(own[nth], around, piece.length_m, (0.5, 0.0, 1.0)[at % 3]))
             wanted.remove(index)
     return replace(subject, kept=tuple(given), wanted=tuple(wanted))
-
-
-def _keep_best(
-    house: SceneGraph,
-    jobs: Sequence[tuple[Room, Around]],
-    wishes: Sequence[Asked],
-    told: Mapping[int, Sequence[list[Item]]],
-    best: dict[int, _Try],
-) -> None:
-    """Of each room, keep the draft that lacks the least of what is wanted, then has the fewest
-    faults. told: drafts by number of the job."""
-    rooms = [jobs[at][0] for at in told]
-    settled = [item for at, one in best.items() if at not in told for item in one.items]
-    for draft in range(max(map(len, told.values()), default=0)):
-        tried = {at: own[draft % len(own)] for at, own in told.items()}
-        items = (*house.items, *settled, *(item for own in tried.values() for item in own))
-        faults = room_faults(replace(house, items=items), rooms, unpainted=True)
-        for (at, own), fault in zip(tried.items(), faults, strict=True):
-            found = _Try((len(wishes[at].missing(own)), fault), own)
-            if at not in best or found.key < best[at].key:
-                best[at] = found

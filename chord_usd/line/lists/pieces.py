@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -429,15 +430,23 @@ def _on_lines(bounds: Ints, around: Around) -> FloatArray:
     of clear floors.
     """
     found = np.array(place_m(bounds), np.float64)
-    walls, clear = around.lines_m[around.kinds == 1], around.lines_m[around.kinds >= _FIRST_CLEAR]
-    for axis in (0, 1):
-        ends = walls[:, axis], walls[:, axis + 2]
-        flat = ends[0][np.abs(ends[0] - ends[1]) < STEP_M / 2]
-        edges = clear[:, [axis, axis + 2]].ravel()
-        flat = np.concatenate([flat, edges[~np.isin(place(edges), place(flat))]])
-        numbers = place(flat)
+    for axis, (flat, numbers) in enumerate(_lines(around)):
         for row in (0, 1):
             same = flat[numbers == bounds[row, axis]]
             if len(same):
                 found[row, axis] = same[np.argmin(np.abs(same - found[row, axis]))]
     return found
+
+
+@lru_cache(maxsize=64)  # all drafts of a room ask for its lines
+def _lines(around: Around) -> tuple[tuple[FloatArray, Ints], ...]:
+    """By axis, (L,) where walls and the edges of clear floors lie, and their numbers."""
+    walls, clear = around.lines_m[around.kinds == 1], around.lines_m[around.kinds >= _FIRST_CLEAR]
+    found = []
+    for axis in (0, 1):
+        ends = walls[:, axis], walls[:, axis + 2]
+        flat = ends[0][np.abs(ends[0] - ends[1]) < STEP_M / 2]
+        edges = clear[:, [axis, axis + 2]].ravel()
+        flat = np.concatenate([flat, edges[~np.isin(place(edges), place(flat))]])
+        found.append((flat, place(flat)))
+    return tuple(found)

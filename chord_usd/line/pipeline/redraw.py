@@ -44,8 +44,8 @@ Settle = Callable[[SceneGraph], SceneGraph]
 _SEEDS_APART = 1_000_003
 """Between the seeds of draws, so that the next house's first is not this one's second."""
 
-DRAFTS = 4
-"""Lists drawn of each room, of which the best is painted."""
+DRAFTS = 12
+"""Lists drawn of each room; those with which room and home cost least are painted."""
 
 WISH_DRAWS = 3
 """So often a room that lacks a piece that was wished for is drawn again."""

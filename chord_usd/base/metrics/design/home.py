@@ -1,0 +1,126 @@
+"""Rules of whole homes: the programme that follows from who sleeps there, and the entrance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from chord_usd.base.metrics.complete import HOME
+from chord_usd.base.metrics.design.bedroom import wardrobes
+from chord_usd.base.metrics.design.dining import chairs_of
+from chord_usd.base.metrics.design.rule import Measured, Rule
+from chord_usd.base.metrics.design.view import HomeView, Point, View, distances
+from chord_usd.base.scene.types import FloatArray
+
+MOST_DINERS = 8
+HALL_M = 1.2
+_STORAGE = ("cabinet", "shoe_cabinet", "dining_cabinet", "wardrobe")
+_LAUNDRY = ("washing_machine", "washing_set")
+
+
+def _middle(home: HomeView) -> Point:
+    if home.entrance is not None:
+        x, y = home.entrance.box.center_m[:2]
+        return float(x), float(y)
+    return home.rooms[0].middle if home.rooms else (0.0, 0.0)
+
+
+def _count(*categories: str) -> Callable[[HomeView], Iterator[Measured]]:
+    def measure(home: HomeView) -> Iterator[Measured]:
+        yield Measured(len(home.of(*categories)), _middle(home))
+
+    return measure
+
+
+def _wardrobe(home: HomeView) -> Iterator[Measured]:
+    total = sum(float(room.length[wardrobes(room)].sum()) for room in home.rooms)
+    yield Measured(total / max(1, home.sleepers), _middle(home))
+
+
+def _diners(home: HomeView) -> Iterator[Measured]:
+    seats = sum(
+        len({chair for table in room.of("dining_table") for chair in chairs_of(room, table)})
+        for room in home.rooms
+    )
+    wanted = min(max(1, home.sleepers), MOST_DINERS)
+    yield Measured(max(0, wanted - seats), _middle(home))
+
+
+def _televisions(home: HomeView) -> Iterator[Measured]:
+    yield Measured(sum(len(room.televisions) for room in home.rooms), _middle(home))
+
+
+def _lacks(home: HomeView) -> Iterator[Measured]:
+    there = {name for room in home.rooms for name in room.categories}
+    missing = [name for name, categories in HOME.items() if not there & categories]
+    yield Measured(len(missing), _middle(home))
+
+
+def _shoes(home: HomeView) -> Iterator[Measured]:
+    if home.entrance is None:
+        return
+    door = np.array([home.entrance.box.center_m[:2]])
+    away = [float(distances(door, room.edges[at]).min()) for room, at in home.of("shoe_cabinet")]
+    yield Measured(min(away, default=math.inf), _middle(home))
+
+
+def _hall(home: HomeView) -> Iterator[Measured]:
+    """How much of the floor behind the entrance is taken."""
+    if home.entrance is None:
+        return
+    for room in home.rooms:
+        for hole in room.shell.holes:
+            if hole.id == home.entrance.id:
+                standing = [at for at in range(len(room.items)) if room.stands[at]]
+                points = _square(hole.ends, hole.inward, hole.depth_m / 2)
+                share = float(room.covered(points, standing).sum()) if standing else 0.0
+                yield Measured(share, _middle(home))
+
+
+def _square(ends: FloatArray, inward: FloatArray, start: float) -> FloatArray:
+    """(K, 2) points over the floor behind a door."""
+    along = (np.arange(12) + 0.5) / 12
+    ahead = start + (np.arange(16) + 0.5) / 16 * HALL_M
+    line = ends[0] + along[:, None] * (ends[1] - ends[0])
+    points: FloatArray = line[:, None] + ahead[None, :, None] * inward
+    return points.reshape(-1, 2)
+
+
+def _empty_stores(home: HomeView) -> Iterator[Measured]:
+    for room in home.rooms:
+        if room.shell.kind == "store":
+            yield Measured(len(room.of(*_STORAGE, *_LAUNDRY)), room.middle)
+
+
+def _bathrooms(home: HomeView) -> list[View]:
+    return [room for room in home.rooms if room.shell.kind == "bathroom"]
+
+
+def _wash(home: HomeView) -> Iterator[Measured]:
+    """A bath or shower somewhere."""
+    if _bathrooms(home):
+        yield Measured(len(home.of("shower", "bathtub")), _middle(home))
+
+
+RULES: tuple[Rule[HomeView], ...] = (
+    Rule("what no home is without", 0, "count", "NDSS", _lacks, at_most=True, weight=2.0),
+    Rule("wardrobe a sleeper", 1.00, "m", "HUD 1973", _wardrobe),
+    Rule("laundry", 1, "count", "DIN 18022", _count(*_LAUNDRY)),
+    Rule("diners without a seat", 0, "count", "HUD 1973", _diners, at_most=True),
+    Rule("dining table", 1, "count", "HUD 1973", _count("dining_table")),
+    Rule("television", 1, "count", "planning guides", _televisions),
+    Rule("refrigerator", 1, "count", "NKBA 3", _count("refrigerator")),
+    Rule("bath or shower", 1, "count", "DIN 18022", _wash),
+    Rule("shoe cabinet from the entrance", 3.00, "m", "DIN 18011", _shoes, at_most=True),
+    Rule(
+        "share of the floor behind the entrance taken",
+        0.03,
+        "share",
+        "DIN 18011",
+        _hall,
+        at_most=True,
+    ),
+    Rule("storage in a store room", 1, "count", "NDSS", _empty_stores, weight=0.5),
+)

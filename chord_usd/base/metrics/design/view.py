@@ -1,0 +1,519 @@
+"""A room with its pieces as arrays of oriented rectangles: what planning rules measure in.
+
+Built for speed: a draft of a room is measured in a few milliseconds, so that many can be ranked.
+Lengths are metres; a piece's own axes are u to its right and v to its front, from its middle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from chord_usd.base.metrics.clear_floor import (
+    BORDER_M,
+    MAX_CLEARANCE_M,
+    WINDOW_CLEARANCE_M,
+    open_borders,
+    sides_of,
+)
+from chord_usd.base.metrics.walk import entrance
+from chord_usd.base.scene.geometry import footprint, room_polygon, room_sides
+from chord_usd.base.scene.types import (
+    BoolArray,
+    FloatArray,
+    Item,
+    Opening,
+    OpeningKind,
+    Room,
+    RoomKind,
+    SceneGraph,
+)
+
+MOST_M = 4.0
+"""Free floor is not measured farther."""
+
+TOUCH_M = 0.01
+"""A piece that reaches so little into a strip leaves it free."""
+WALL_TOUCH_M = 0.03
+"""The same of a wall: rasters are no finer."""
+
+FLAT = frozenset(("bed_background", "sofa_background"))
+"""Panels: they take no floor."""
+_HEAD_M = 1.4
+"""What hangs above this takes no floor."""
+_REACH_M = 0.1
+"""An open border or passage is in a wall no farther from it."""
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Hole:
+    """An opening as one room has it."""
+
+    id: str
+    kind: OpeningKind
+    ends: FloatArray
+    """(2, 2) ends of its middle line."""
+    inward: FloatArray
+    """(2,) unit vector into the room."""
+    depth_m: float
+    sill_m: float
+
+    @property
+    def middle(self) -> FloatArray:
+        """(2,)."""
+        middle: FloatArray = self.ends.mean(axis=0)
+        return middle
+
+    @property
+    def length_m(self) -> float:
+        """Along its wall."""
+        return float(np.hypot(*(self.ends[1] - self.ends[0])))
+
+    @property
+    def is_way(self) -> bool:
+        """Whether people go through it."""
+        return self.kind != "window"
+
+    @cached_property
+    def clear(self) -> Rects:
+        """The floor before it that stays free, TOUCH_M smaller all round."""
+        along = (self.ends[1] - self.ends[0]) / max(self.length_m, 1e-6)
+        deep = WINDOW_CLEARANCE_M if not self.is_way else min(self.length_m, MAX_CLEARANCE_M)
+        middle = self.middle + self.inward * (self.depth_m + deep) / 2
+        half = np.array([[self.length_m / 2 - TOUCH_M, deep / 2 - TOUCH_M]])
+        return Rects(middle[None], along[None], self.inward[None], half)
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """A room without its pieces, and what rules ask about the house around it."""
+
+    room: Room
+    area_m2: float
+    walls: FloatArray
+    """(W, 2, 2) what is solid of its sides: passages and open borders are left out."""
+    holes: tuple[Hole, ...]
+    sides: FloatArray
+    """(S, 2, 2) of its polygon."""
+    is_largest: bool
+    """Of the rooms of its kind."""
+    joins_kitchen: bool
+    """Whether an opening or an open border joins it to a kitchen, or it is one."""
+
+    @property
+    def kind(self) -> RoomKind:
+        """Of the room."""
+        return self.room.kind
+
+    @cached_property
+    def clear(self) -> Rects:
+        """(K,) floors that its openings keep free; borders of an open plan keep none."""
+        floors = [hole.clear for hole in self._keeping]
+        empty = np.zeros((0, 2))
+        arrays = ([getattr(floor, name) for floor in floors] for name in
+                  ("at", "right", "front", "half"))  # fmt: skip
+        return Rects(*(np.concatenate(own) if own else empty for own in arrays))
+
+    @cached_property
+    def clear_from_m(self) -> FloatArray:
+        """(K,) height above which each of these stays free."""
+        return np.array([hole.sill_m for hole in self._keeping])
+
+    @property
+    def _keeping(self) -> list[Hole]:
+        return [hole for hole in self.holes if not (hole.is_way and hole.depth_m < BORDER_M)]
+
+    @property
+    def ways(self) -> list[Hole]:
+        """Doors and passages."""
+        return [hole for hole in self.holes if hole.is_way]
+
+    @property
+    def windows(self) -> list[Hole]:
+        """Windows."""
+        return [hole for hole in self.holes if not hole.is_way]
+
+
+@lru_cache(maxsize=16)  # drafts of a house ask for the same plan again and again
+def shells(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> dict[str, Shell]:
+    """Every room of a plan by its id."""
+    holes: dict[str, list[Hole]] = {room.id: [] for room in rooms}
+    for opening, room in sides_of(openings, rooms):
+        holes[room.id].append(_hole(opening, room))
+    borders: dict[str, list[Opening]] = {room.id: [] for room in rooms}
+    joined: dict[str, set[str]] = {room.id: set() for room in rooms}
+    kinds = {room.id: room.kind for room in rooms}
+    for border in open_borders(rooms, openings):
+        for room_id in border.room_ids:
+            borders[room_id].append(border)
+    for way in (*openings, *open_borders(rooms, openings)):
+        for room_id in way.room_ids:
+            if room_id in joined and way.kind != "window":
+                joined[room_id] |= {kinds[other] for other in way.room_ids if other in kinds}
+    areas = {room.id: float(room_polygon(room).area) for room in rooms}
+    return {
+        room.id: Shell(
+            room,
+            areas[room.id],
+            _solid(room, [*(one for one in openings if one.kind == "passage"),
+                          *borders[room.id]]),
+            tuple(holes[room.id]),
+            np.array(room_sides(room)),
+            areas[room.id] >= max(areas[o.id] for o in rooms if o.kind == room.kind),
+            room.kind == "kitchen" or "kitchen" in joined[room.id],
+        )
+        for room in rooms
+    }  # fmt: skip
+
+
+def _hole(opening: Opening, room: Room) -> Hole:
+    turn = np.radians(opening.box.yaw_deg)
+    along = np.array([np.cos(turn), np.sin(turn)])
+    across = np.array([-along[1], along[0]])
+    middle = np.array(opening.box.center_m[:2])
+    half, depth = opening.box.size_m[0] / 2, opening.box.size_m[1]
+    probe = middle + across * (depth / 2 + _REACH_M)
+    inward = across if inside(probe[None], room.polygon_m)[0] else -across
+    ends = np.array([middle - along * half, middle + along * half])
+    return Hole(opening.id, opening.kind, ends, inward, depth, opening.box.center_m[2])
+
+
+def inside(points: FloatArray, polygon: FloatArray) -> BoolArray:
+    """(N,) which points (N, 2) lie in a polygon (M, 2)."""
+    start, end = polygon, np.roll(polygon, -1, axis=0)
+    x, y = points[:, :1], points[:, 1:]
+    spans = (start[:, 1] > y) != (end[:, 1] > y)
+    rise = np.where(end[:, 1] == start[:, 1], 1.0, end[:, 1] - start[:, 1])
+    at = start[:, 0] + (y - start[:, 1]) / rise * (end[:, 0] - start[:, 0])
+    odd: BoolArray = (spans & (x < at)).sum(axis=1) % 2 == 1
+    return odd
+
+
+def _solid(room: Room, gaps: Sequence[Opening]) -> FloatArray:
+    """(W, 2, 2) the sides of a room without the spans of passages and open borders."""
+    found = []
+    for start, end in room_sides(room):
+        length = float(np.hypot(*(end - start)))
+        if length < 1e-6:
+            continue
+        along = (end - start) / length
+        left = [(0.0, length)]
+        for gap in gaps:
+            ahead = np.array(gap.box.center_m[:2]) - start
+            turn = np.radians(gap.box.yaw_deg)
+            is_along = abs(along @ (np.cos(turn), np.sin(turn))) > 0.9
+            away = abs(float(ahead @ (-along[1], along[0])))
+            if is_along and away < gap.box.size_m[1] / 2 + _REACH_M:
+                s, half = float(ahead @ along), gap.box.size_m[0] / 2
+                left = [
+                    (low, high)
+                    for a, b in left
+                    for low, high in ((a, min(b, s - half)), (max(a, s + half), b))
+                    if high - low > 1e-3
+                ]
+        found += [(start + along * a, start + along * b) for a, b in left]
+    return np.array(found).reshape(-1, 2, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Rects:
+    """Oriented rectangles."""
+
+    at: FloatArray
+    """(N, 2) middles."""
+    right: FloatArray
+    front: FloatArray
+    """(N, 2) unit vectors of their axes."""
+    half: FloatArray
+    """(N, 2) half their extents along these."""
+
+    @cached_property
+    def corners(self) -> FloatArray:
+        """(N, 4, 2)."""
+        across = self.right * self.half[:, :1]
+        along = self.front * self.half[:, 1:]
+        steps = [-across - along, -across + along, across + along, across - along]
+        found: FloatArray = self.at[:, None] + np.stack(steps, axis=1)
+        return found
+
+    def depths(self, others: Rects) -> FloatArray:
+        """(N, M) how deep each reaches into each of others along the axes of both: the least move
+        that parts them; 0 where they are apart."""
+        deep = np.minimum(self._into(others), others._into(self).T)
+        found: FloatArray = np.maximum(deep, 0.0)
+        return found
+
+    def _into(self, others: Rects) -> FloatArray:
+        """(N, M) how far the corners of others reach into each along its axes."""
+        ahead = others.corners[None] - self.at[:, None, None]
+        reach = None
+        for axis, half in ((self.right, self.half[:, 0]), (self.front, self.half[:, 1])):
+            along = (ahead * axis[:, None, None]).sum(axis=3)
+            deep = half[:, None] + np.minimum(-along.min(axis=2), along.max(axis=2))
+            reach = deep if reach is None else np.minimum(reach, deep)
+        assert reach is not None
+        return reach
+
+
+@dataclass(eq=False)
+class View:
+    """A room with what stands in it. Pieces go by their number."""
+
+    shell: Shell
+    items: tuple[Item, ...]
+    screens: frozenset[str] | None = None
+    """Ids of pieces with a television, where that is known."""
+    _near: dict[int, FloatArray] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Arrays of what rules measure."""
+        boxes = [item.box for item in self.items]
+        self.categories = [item.category for item in self.items]
+        self.at = np.array([box.center_m[:2] for box in boxes]).reshape(-1, 2)
+        sizes = np.array([box.size_m for box in boxes]).reshape(-1, 3)
+        self.length, self.depth, self.height = sizes.T
+        self.yaw = np.array([box.yaw_deg for box in boxes])
+        turn = np.radians(self.yaw)
+        self.right = np.stack([np.cos(turn), np.sin(turn)], axis=-1).reshape(-1, 2)
+        self.front = np.stack([np.sin(turn), -np.cos(turn)], axis=-1).reshape(-1, 2)
+        self.corners = np.array([footprint(box) for box in boxes]).reshape(-1, 4, 2)
+        self.edges = np.stack([self.corners, np.roll(self.corners, -1, axis=1)], axis=2)
+        base = np.array([box.center_m[2] for box in boxes])
+        flat = np.array([name in FLAT for name in self.categories], np.bool_)
+        self.stands: BoolArray = ~flat & (base < _HEAD_M)
+        self.rects = Rects(
+            self.at, self.right, self.front, np.stack([self.length, self.depth], axis=-1) / 2
+        )
+        self._segments = np.concatenate([self.edges.reshape(-1, 2, 2), self.shell.walls])
+
+    def of(self, *categories: str) -> list[int]:
+        """Numbers of the pieces of these categories."""
+        return [at for at, name in enumerate(self.categories) if name in categories]
+
+    @cached_property
+    def middle(self) -> Point:
+        """Of the room."""
+        point = room_polygon(self.shell.room).representative_point()
+        return float(point.x), float(point.y)
+
+    def point(self, at: int, u: float = 0.0, v: float = 0.0) -> Point:
+        """In the world, of a place in a piece's frame."""
+        x, y = self.at[at] + self.right[at] * u + self.front[at] * v
+        return float(x), float(y)
+
+    def own(self, at: int, points: FloatArray) -> FloatArray:
+        """(..., 2) points in the frame of a piece: u to its right, v to its front."""
+        ahead = points - self.at[at]
+        return np.stack([ahead @ self.right[at], ahead @ self.front[at]], axis=-1)
+
+    def before(
+        self, at: int, low: float, high: float, but: Iterable[int] = (), start: float | None = None
+    ) -> float:
+        """Free depth before a piece's front, over the band from low to high along u."""
+        edge = self.depth[at] / 2 if start is None else start
+        return self._free(at, self.front[at], self.right[at], (low, high), edge, but)
+
+    def behind(self, at: int, low: float, high: float, but: Iterable[int] = ()) -> float:
+        """The same behind its back."""
+        edge = self.depth[at] / 2
+        return self._free(at, -self.front[at], self.right[at], (low, high), edge, but)
+
+    def beside(self, at: int, side: int, low: float, high: float, but: Iterable[int] = ()) -> float:
+        """Free width beside a piece, right (1) or left (-1), over the band along v."""
+        return self._free(
+            at, self.right[at] * side, self.front[at], (low, high), self.length[at] / 2, but
+        )
+
+    def to_wall(self, at: int, side: int, low: float, high: float) -> float:
+        """The same up to the next wall, past other pieces."""
+        return self.beside(at, side, low, high, range(len(self.items)))
+
+    def _free(
+        self,
+        at: int,
+        ahead: FloatArray,
+        across: FloatArray,
+        band: tuple[float, float],
+        start: float,
+        but: Iterable[int],
+    ) -> float:
+        count = len(self.items)
+        own = self._segments - self.at[at]
+        forward, lateral = own @ ahead, own @ across
+        low = np.full(len(own), band[0] + WALL_TOUCH_M)
+        high = np.full(len(own), band[1] - WALL_TOUCH_M)
+        low[: 4 * count] += 0.005 - WALL_TOUCH_M
+        high[: 4 * count] -= 0.005 - WALL_TOUCH_M
+        first, run = lateral[:, 0], lateral[:, 1] - lateral[:, 0]
+        flat = np.abs(run) < 1e-9
+        safe = np.where(flat, 1.0, run)
+        ends = np.stack([(low - first) / safe, (high - first) / safe])
+        enter = np.clip(ends.min(axis=0), 0.0, 1.0)
+        leave = np.clip(ends.max(axis=0), 0.0, 1.0)
+        crosses = np.where(flat, (first > low) & (first < high), enter < leave)
+        enter, leave = np.where(flat, 0.0, enter), np.where(flat, 1.0, leave)
+        rise = forward[:, 1] - forward[:, 0]
+        reach = np.stack([forward[:, 0] + rise * enter, forward[:, 0] + rise * leave])
+        near = np.where(crosses, reach.min(axis=0), np.inf)
+        far = np.where(crosses, reach.max(axis=0), -np.inf)
+        least = MOST_M
+        piece_near = near[: 4 * count].reshape(-1, 4).min(axis=1)
+        piece_far = far[: 4 * count].reshape(-1, 4).max(axis=1)
+        counts = self.stands & (piece_far > start + TOUCH_M)
+        counts[[at, *but]] = False
+        if counts.any():
+            least = min(least, float(piece_near[counts].min()) - start)
+        wall_near, wall_far = near[4 * count :], far[4 * count :]
+        solid = wall_far > start - WALL_TOUCH_M  # flush with a wall is no floor at all
+        if solid.any():
+            least = min(least, float(wall_near[solid].min()) - start + WALL_TOUCH_M)
+        return max(0.0, least)
+
+    def gaps(self, at: int) -> FloatArray:
+        """(N,) distance of each piece's footprint from that of one; 0 where they overlap."""
+        if at not in self._near:
+            self._near[at] = self._gaps(self.corners[at], at)
+        return self._near[at]
+
+    def _gaps(self, corners: FloatArray, at: int) -> FloatArray:
+        edges = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+        there = distances(corners, self.edges.reshape(-1, 2, 2)).reshape(4, -1, 4)
+        back = distances(self.corners.reshape(-1, 2), edges).reshape(-1, 4, 4)
+        away = np.minimum(there.min(axis=(0, 2)), back.min(axis=(1, 2)))
+        away[self.overlaps(at)] = 0.0
+        return away
+
+    def overlaps(self, at: int) -> BoolArray:
+        """(N,) which footprints share more than a line with that of one piece, it included."""
+        return (self.depths[at] > 1e-6).astype(np.bool_)
+
+    @cached_property
+    def depths(self) -> FloatArray:
+        """(N, N) how deep footprints reach into each other (Rects.depths)."""
+        return self.rects.depths(self.rects)
+
+    def from_line(self, at: int, ends: FloatArray) -> float:
+        """Distance of a piece from a line (2, 2)."""
+        there = distances(ends, self.edges[at]).min()
+        back = distances(self.corners[at], ends[None]).min()
+        u, v = np.abs(self.own(at, ends)).T
+        within = ((u <= self.length[at] / 2) & (v <= self.depth[at] / 2)).any()
+        return 0.0 if within else float(min(there, back))
+
+    def covered(self, points: FloatArray, among: Sequence[int]) -> FloatArray:
+        """(len(among),) share of these points (K, 2) that each of the pieces stands on."""
+        ahead = points[None] - self.at[among][:, None]
+        u = np.abs(np.einsum("nkd,nd->nk", ahead, self.right[among]))
+        v = np.abs(np.einsum("nkd,nd->nk", ahead, self.front[among]))
+        within = (u < self.length[among][:, None] / 2) & (v < self.depth[among][:, None] / 2)
+        share: FloatArray = within.mean(axis=1)
+        return share
+
+    def grid(self, at: int, u: tuple[float, float], v: tuple[float, float]) -> FloatArray:
+        """(K, 2) points in the world, evenly over a rectangle in a piece's frame."""
+        across, along = np.meshgrid(_spread(*u, 12), _spread(*v, 8))
+        return (
+            self.at[at]
+            + across.reshape(-1, 1) * self.right[at]
+            + along.reshape(-1, 1) * self.front[at]
+        )
+
+    def windows_behind(self, at: int, depth: float = 0.35, wider: float = 0.0) -> list[Hole]:
+        """Windows in the wall behind a piece, along more than 10 cm of it."""
+        found = []
+        half, back = self.length[at] / 2 + wider, self.depth[at] / 2
+        for hole in self.shell.windows:
+            span = clipped(self.own(at, hole.ends), (-half, half), (-back - depth, 0.05 - back))
+            if span > 0.1:
+                found.append(hole)
+        return found
+
+    def is_upright_to(self, at: int, other: int, within_deg: float = 15.0) -> bool:
+        """Whether two pieces face the same way."""
+        return bool(abs((self.yaw[other] - self.yaw[at] + 180.0) % 360.0 - 180.0) < within_deg)
+
+    @cached_property
+    def televisions(self) -> list[int]:
+        """Cabinets with a screen. Where nobody knows, all but those before a window, which are
+        bare (assets.database)."""
+        found = self.of("tv_cabinet")
+        if self.screens is not None:
+            return [at for at in found if self.items[at].id in self.screens]
+        return [at for at in found if not self.windows_behind(at, 0.3)]
+
+
+def _spread(low: float, high: float, count: int) -> FloatArray:
+    """The middles of so many equal parts."""
+    return low + (np.arange(count) + 0.5) * (high - low) / count
+
+
+def distances(points: FloatArray, segments: FloatArray) -> FloatArray:
+    """(N, M) from points (N, 2) to segments (M, 2, 2)."""
+    start, run = segments[:, 0], segments[:, 1] - segments[:, 0]
+    ahead = points[:, None] - start[None]
+    square = np.maximum((run * run).sum(axis=1), 1e-12)
+    t = np.clip((ahead * run[None]).sum(axis=2) / square, 0.0, 1.0)
+    away = ahead - t[..., None] * run[None]
+    return np.hypot(away[..., 0], away[..., 1])
+
+
+def clipped(ends: FloatArray, across: tuple[float, float], along: tuple[float, float]) -> float:
+    """Length of a line (2, 2) within an upright rectangle."""
+    enter, leave = 0.0, 1.0
+    run = ends[1] - ends[0]
+    for axis, (low, high) in enumerate((across, along)):
+        if abs(run[axis]) < 1e-9:
+            if not low < ends[0, axis] < high:
+                return 0.0
+            continue
+        a, b = sorted(((low - ends[0, axis]) / run[axis], (high - ends[0, axis]) / run[axis]))
+        enter, leave = max(enter, a), min(leave, b)
+    return max(0.0, float(leave - enter)) * float(np.hypot(*run))
+
+
+@dataclass(frozen=True, eq=False)
+class HomeView:
+    """All rooms of a home with what stands in them."""
+
+    rooms: tuple[View, ...]
+    entrance: Opening | None
+
+    @cached_property
+    def sleepers(self) -> int:
+        """How many people its beds are for."""
+        return sum(sleepers_of(room) for room in self.rooms)
+
+    def of(self, *categories: str) -> list[tuple[View, int]]:
+        """Pieces of these categories, each with its room."""
+        return [(room, at) for room in self.rooms for at in room.of(*categories)]
+
+
+DOUBLE_M = 1.35
+"""A bed at least so wide is for two."""
+
+
+def sleepers_of(room: View) -> int:
+    """How many people the beds of a room are for."""
+    return sum(2 if room.length[at] >= DOUBLE_M else 1 for at in room.of("bed"))
+
+
+def view_home(graph: SceneGraph, screens: frozenset[str] | None = None) -> HomeView:
+    """A house as rules see it. screens: ids of the cabinets with a television; None where nobody
+    knows."""
+    plan = shells(graph.rooms, graph.openings)
+    by_room: dict[str, list[Item]] = {room.id: [] for room in graph.rooms}
+    for item in graph.items:
+        if item.room_id in by_room:
+            by_room[item.room_id].append(item)
+    views = tuple(View(plan[room.id], tuple(by_room[room.id]), screens) for room in graph.rooms)
+    return HomeView(views, _entrance(graph.rooms, graph.openings))
+
+
+@lru_cache(maxsize=16)
+def _entrance(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> Opening | None:
+    return entrance(SceneGraph(rooms, openings, ()))

@@ -1,0 +1,81 @@
+"""What a few centimetres mend in a draft, before drafts are compared: lists write on a grid of
+5 cm, and nearly every list of a living room has a piece a step into another or before a door.
+
+A piece moves or gets shorter by no more than MOST_M, and only where that leaves less wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from chord_usd.base.metrics.design.price import conflicts
+from chord_usd.base.metrics.design.view import TOUCH_M, View
+from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.types import Box, Item
+
+MOST_M = 0.2
+TIMES = 6
+"""Changes of one draft at most."""
+_SPARE_M = 0.005
+"""A piece is moved so much farther than to touch."""
+
+
+def mended(view: View) -> View:
+    """The draft with small conflicts put right."""
+    deep = conflicts(view)
+    stuck: set[int] = set()
+    for _ in range(TIMES):
+        due = [at for at, depth in enumerate(deep)
+               if TOUCH_M < depth <= MOST_M and at not in stuck]  # fmt: skip
+        if not due:
+            break
+        at = max(due, key=lambda one: deep[one])
+        better = _best_change(view, at, deep)
+        if better is None:
+            stuck.add(at)
+        else:
+            view, deep = better
+    return view
+
+
+def _best_change(view: View, at: int, deep: list[float]) -> tuple[View, list[float]] | None:
+    before = sum(deep)
+    partners = [at, *np.flatnonzero(view.depths[at] > TOUCH_M).tolist()]
+    best = None
+    for one in dict.fromkeys(partners):
+        for box in _changes(view.items[one].box, view.categories[one], deep[at]):
+            items = list(view.items)
+            items[one] = replace(items[one], box=box)
+            tried = replace_items(view, items)
+            left = conflicts(tried)
+            if sum(left) < before - TOUCH_M and (best is None or sum(left) < sum(best[1])):
+                best = tried, left
+        if best is not None:
+            break
+    return best
+
+
+def _changes(box: Box, category: str, depth: float) -> Iterator[Box]:
+    """The box moved by a depth along each of its axes, or shorter by it at each end."""
+    step = depth + _SPARE_M
+    turn = np.radians(box.yaw_deg)
+    right = np.array([np.cos(turn), np.sin(turn)])
+    front = np.array([np.sin(turn), -np.cos(turn)])
+    x, y, z = box.center_m
+    for direction in (right, -right, front, -front):
+        dx, dy = (direction * step).tolist()
+        yield replace(box, center_m=(x + dx, y + dy, z))
+    length, width, height = box.size_m
+    row = CATEGORIES.get(category)
+    if row is not None and length - step >= row.length_m[0]:
+        for side in (0.5, -0.5):
+            dx, dy = (right * step * side).tolist()
+            yield replace(box, center_m=(x + dx, y + dy, z), size_m=(length - step, width, height))
+
+
+def replace_items(view: View, items: list[Item]) -> View:
+    """The room with other pieces."""
+    return View(view.shell, tuple(items), view.screens)

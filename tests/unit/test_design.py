@@ -1,0 +1,170 @@
+"""Planning rules: each is kept by a planned room and broken, at its place, by one change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from shapely.affinity import rotate, translate
+
+from chord_usd.base.metrics.design import Finding, design_of
+from chord_usd.base.metrics.design.view import View, shells
+from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+
+Piece = tuple[str, float, float, float, float, float, float]
+"""Category, x, y, length, depth, height, yaw."""
+
+KITCHEN: list[Piece] = [
+    ("refrigerator", 0.3, 2.7, 0.6, 0.6, 1.8, 0),
+    ("single_door_floor_cabinet", 0.825, 2.7, 0.45, 0.6, 0.9, 0),
+    ("sink_cabinet", 1.35, 2.7, 0.6, 0.6, 0.9, 0),
+    ("double_door_floor_cabinet", 2.1, 2.7, 0.9, 0.6, 0.9, 0),
+    ("cooker_cabinet", 2.85, 2.7, 0.6, 0.6, 0.9, 0),
+    ("single_door_floor_cabinet", 3.4, 2.7, 0.5, 0.6, 0.9, 0),
+]
+BEDROOM: list[Piece] = [
+    ("bed", 2.0, 1.95, 1.6, 2.1, 1.0, 0),
+    ("bedside_table", 0.95, 2.75, 0.45, 0.4, 0.5, 0),
+    ("bedside_table", 3.05, 2.75, 0.45, 0.4, 0.5, 0),
+    ("cabinet", 1.2, -0.7, 2.2, 0.6, 2.2, 180),
+]
+
+
+def home(kind: str, pieces: Sequence[Piece], *openings: Opening, low: float = 0.0) -> SceneGraph:
+    corners = frozen_array([(0, low), (4, low), (4, 3), (0, 3)])
+    room = Room("room", kind, corners)  # type: ignore[arg-type]
+    items = tuple(
+        Item(f"{name}_{at}", name, Box((x, y, 0.0), (long, deep, high), yaw), "room")
+        for at, (name, x, y, long, deep, high, yaw) in enumerate(pieces)
+    )
+    return SceneGraph((room,), openings, items)
+
+
+def window(x: float, y: float, yaw: float = 0.0) -> Opening:
+    return Opening("window", "window", Box((x, y, 0.9), (1.0, 0.24, 1.2), yaw), ("room",))
+
+
+def door(x: float, y: float, yaw: float = 0.0) -> Opening:
+    return Opening("door", "door", Box((x, y, 0.0), (0.9, 0.24, 2.0), yaw), ("room",))
+
+
+def findings(graph: SceneGraph) -> dict[str, Finding]:
+    return {one.rule: one for one in design_of(graph).rooms[0].findings}
+
+
+def kitchen(change: Callable[[list[Piece]], None] | None = None) -> SceneGraph:
+    pieces = list(KITCHEN)
+    if change:
+        change(pieces)
+    return home("kitchen", pieces, window(1.35, 3.12), door(2.0, -0.12))
+
+
+def bedroom(change: Callable[[list[Piece]], None] | None = None) -> SceneGraph:
+    pieces = list(BEDROOM)
+    if change:
+        change(pieces)
+    return home("bedroom", pieces, door(4.12, -0.4, 90.0), window(-0.12, 1.0, 90.0), low=-1.0)
+
+
+def put(at: int, **places: float) -> Callable[[list[Piece]], None]:
+    names = ("x", "y", "length", "depth", "height", "yaw")
+
+    def change(pieces: list[Piece]) -> None:
+        values = list(pieces[at])
+        for name, value in places.items():
+            values[1 + names.index(name)] = value
+        pieces[at] = tuple(values)  # type: ignore[assignment]
+
+    return change
+
+
+def swap(pieces: list[Piece]) -> None:
+    """Sink and cooker change places."""
+    pieces[2], pieces[4] = (("cooker_cabinet", *pieces[2][1:]), ("sink_cabinet", *pieces[4][1:]))
+
+
+def drop(at: int) -> Callable[[list[Piece]], None]:
+    return lambda pieces: pieces.pop(at) and None
+
+
+def test_a_planned_bedroom_keeps_all_rules() -> None:
+    assert not findings(bedroom())
+
+
+@pytest.mark.parametrize(
+    ("change", "rule", "have"),
+    [
+        (drop(0), "refrigerator", 0),
+        (swap, "cooker before a window", 1),
+        (swap, "sink away from the window", 1),
+        (put(4, x=3.7), "cooker to a side wall", 0.0),
+        (drop(3), "sink and cooker in one run or over one aisle", 1),
+        (drop(5), "worktop on the lesser side of the cooker", 0.0),
+    ],
+)
+def test_a_kitchen_breaks_a_rule(
+    change: Callable[[list[Piece]], None], rule: str, have: float
+) -> None:
+    assert rule not in findings(kitchen())
+    found = findings(kitchen(change))[rule]
+    assert found.have == pytest.approx(have, abs=0.035)
+    assert shapely.box(0, 0, 4, 3).buffer(0.1).contains(shapely.Point(found.at))
+
+
+@pytest.mark.parametrize(
+    ("change", "rule", "have"),
+    [
+        (put(0, x=0.9), "beside a double bed, lesser side", 0.1),
+        (drop(1), "bedside tables of a double bed", 1),
+        (put(3, y=0.3), "at the foot of the bed", 0.3),
+        (put(3, length=1.2), "wardrobe a sleeper", 0.6),
+        (put(3, height=1.0), "wardrobe", 0),
+        (put(0, y=1.05, yaw=0), "before a wardrobe", 0.4),
+        (put(2, length=0.6), "bedside tables differ", 0.15),
+    ],
+)
+def test_a_bedroom_breaks_a_rule(
+    change: Callable[[list[Piece]], None], rule: str, have: float
+) -> None:
+    found = findings(bedroom(change))[rule]
+    assert found.have == pytest.approx(have, abs=0.03)
+    assert found.said.startswith(rule)
+
+
+def test_free_depth_is_that_of_shapes() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(60):
+        yaw = float(rng.uniform(0, 360))
+        pieces: list[Piece] = [("cabinet", 2.0, 1.5, 0.8, 0.5, 1.0, yaw)]
+        pieces += [
+            ("cabinet", *rng.uniform((0.5, 0.5), (3.5, 2.5)), 0.6, 0.5, 1.0, rng.uniform(0, 360))
+            for _ in range(3)
+        ]
+        graph = home("living", pieces)
+        view = View(shells(graph.rooms, graph.openings)["room"], graph.items)
+        if (view.depths[0, 1:] > 0).any():
+            continue
+        depth = view.before(0, -0.4, 0.4)
+        strip = shapely.box(-0.38, -0.25 - depth + 0.05, 0.38, -0.26)
+        strip = translate(rotate(strip, yaw, origin=(0, 0)), 2.0, 1.5)
+        others = shapely.union_all([shapely.Polygon(c) for c in view.corners[1:]])
+        assert depth < 0.05 or strip.intersection(others).area < 1e-3
+        assert depth < 0.05 or strip.difference(shapely.box(0, 0, 4, 3)).area < 0.05
+        longer = shapely.box(-0.4, -0.25 - depth - 0.1, 0.4, -0.26)
+        longer = translate(rotate(longer, yaw, origin=(0, 0)), 2.0, 1.5)
+        beyond = longer.difference(shapely.box(0, 0, 4, 3)).area
+        assert beyond + longer.intersection(others).area > 1e-4
+
+
+def test_a_home_lacks_seats_for_its_sleepers() -> None:
+    judged = design_of(bedroom()).home
+    found = {one.rule: one for one in judged.findings}
+    assert found["diners without a seat"].have == 2
+    assert "laundry" in found
+    bare = replace(bedroom(), items=())
+    assert {one.rule: one.have for one in design_of(bare).home.findings}[
+        "diners without a seat"
+    ] == 1
