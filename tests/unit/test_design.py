@@ -11,7 +11,8 @@ import shapely
 from shapely.affinity import rotate, translate
 
 from chord_usd.base.metrics.design import Finding, design_of
-from chord_usd.base.metrics.design.view import View, shells
+from chord_usd.base.metrics.design.shell import shells
+from chord_usd.base.metrics.design.view import View
 from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
 
 Piece = tuple[str, float, float, float, float, float, float]

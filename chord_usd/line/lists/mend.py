@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from chord_usd.base.metrics.design.price import conflicts
-from chord_usd.base.metrics.design.view import TOUCH_M, View
+from chord_usd.base.metrics.design.shell import TOUCH_M
+from chord_usd.base.metrics.design.view import View
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, Item
 

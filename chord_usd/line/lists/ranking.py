@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 
 from chord_usd.base.metrics.complete import lacking
 from chord_usd.base.metrics.design.price import broken_share, home_price, quick_price, room_price
-from chord_usd.base.metrics.design.view import HomeView, Shell, View, shells, view_home
+from chord_usd.base.metrics.design.shell import Shell, shells
+from chord_usd.base.metrics.design.view import HomeView, View, view_home
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.scene.types import Item, Room, SceneGraph
 from chord_usd.line.lists.mend import mended

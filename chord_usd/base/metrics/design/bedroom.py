@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from chord_usd.base.metrics.design.rule import Measured, Rule, flag
-from chord_usd.base.metrics.design.view import DOUBLE_M, Hole, View, distances, sleepers_of
+from chord_usd.base.metrics.design.shell import Hole
+from chord_usd.base.metrics.design.view import DOUBLE_M, View, distances, sleepers_of
 
 TALL_M = 1.5
 """A cabinet at least so high is a wardrobe."""

@@ -11,7 +11,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
-from chord_usd.base.metrics.design.view import TOUCH_M, HomeView, View, distances, inside
+from chord_usd.base.metrics.design.shell import TOUCH_M, inside
+from chord_usd.base.metrics.design.view import HomeView, View, distances
 from chord_usd.base.metrics.overlap import overlaps_by_nature
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import FloatArray
