@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from chord_usd.base.metrics.complete import HOME
-from chord_usd.base.metrics.design.bedroom import wardrobes
-from chord_usd.base.metrics.design.dining import chairs_of
+from chord_usd.base.metrics.design.bedroom_rules import wardrobes
+from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.rule import Measured, Rule
 from chord_usd.base.metrics.design.view import HomeView, Point, View, distances
 from chord_usd.base.scene.types import FloatArray

@@ -1,0 +1,241 @@
+"""Oriented rectangles, and a room without its pieces: walls, openings, what they keep free."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from chord_usd.base.metrics.clear_floor import (
+    BORDER_M,
+    MAX_CLEARANCE_M,
+    WINDOW_CLEARANCE_M,
+    open_borders,
+    sides_of,
+)
+from chord_usd.base.scene.geometry import room_polygon, room_sides
+from chord_usd.base.scene.types import (
+    BoolArray,
+    FloatArray,
+    Opening,
+    OpeningKind,
+    Room,
+    RoomKind,
+)
+
+TOUCH_M = 0.01
+"""A piece that reaches so little into a strip leaves it free."""
+_REACH_M = 0.1
+"""An open border or passage is in a wall no farther from it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rects:
+    """Oriented rectangles."""
+
+    at: FloatArray
+    """(N, 2) middles."""
+    right: FloatArray
+    front: FloatArray
+    """(N, 2) unit vectors of their axes."""
+    half: FloatArray
+    """(N, 2) half their extents along these."""
+
+    @cached_property
+    def corners(self) -> FloatArray:
+        """(N, 4, 2)."""
+        across = self.right * self.half[:, :1]
+        along = self.front * self.half[:, 1:]
+        steps = [-across - along, -across + along, across + along, across - along]
+        found: FloatArray = self.at[:, None] + np.stack(steps, axis=1)
+        return found
+
+    def depths(self, others: Rects) -> FloatArray:
+        """(N, M) how deep each reaches into each of others along the axes of both: the least move
+        that parts them; 0 where they are apart."""
+        deep = np.minimum(self._into(others), others._into(self).T)
+        found: FloatArray = np.maximum(deep, 0.0)
+        return found
+
+    def _into(self, others: Rects) -> FloatArray:
+        """(N, M) how far the corners of others reach into each along its axes."""
+        ahead = others.corners[None] - self.at[:, None, None]
+        reach = None
+        for axis, half in ((self.right, self.half[:, 0]), (self.front, self.half[:, 1])):
+            along = (ahead * axis[:, None, None]).sum(axis=3)
+            deep = half[:, None] + np.minimum(-along.min(axis=2), along.max(axis=2))
+            reach = deep if reach is None else np.minimum(reach, deep)
+        assert reach is not None
+        return reach
+
+
+@dataclass(frozen=True, eq=False)
+class Hole:
+    """An opening as one room has it."""
+
+    id: str
+    kind: OpeningKind
+    ends: FloatArray
+    """(2, 2) ends of its middle line."""
+    inward: FloatArray
+    """(2,) unit vector into the room."""
+    depth_m: float
+    sill_m: float
+
+    @property
+    def middle(self) -> FloatArray:
+        """(2,)."""
+        middle: FloatArray = self.ends.mean(axis=0)
+        return middle
+
+    @property
+    def length_m(self) -> float:
+        """Along its wall."""
+        return float(np.hypot(*(self.ends[1] - self.ends[0])))
+
+    @property
+    def is_way(self) -> bool:
+        """Whether people go through it."""
+        return self.kind != "window"
+
+    @cached_property
+    def clear(self) -> Rects:
+        """The floor before it that stays free, TOUCH_M smaller all round."""
+        along = (self.ends[1] - self.ends[0]) / max(self.length_m, 1e-6)
+        deep = WINDOW_CLEARANCE_M if not self.is_way else min(self.length_m, MAX_CLEARANCE_M)
+        middle = self.middle + self.inward * (self.depth_m + deep) / 2
+        half = np.array([[self.length_m / 2 - TOUCH_M, deep / 2 - TOUCH_M]])
+        return Rects(middle[None], along[None], self.inward[None], half)
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """A room without its pieces, and what rules ask about the house around it."""
+
+    room: Room
+    area_m2: float
+    walls: FloatArray
+    """(W, 2, 2) what is solid of its sides: passages and open borders are left out."""
+    holes: tuple[Hole, ...]
+    sides: FloatArray
+    """(S, 2, 2) of its polygon."""
+    is_largest: bool
+    """Of the rooms of its kind."""
+    joins_kitchen: bool
+    """Whether an opening or an open border joins it to a kitchen, or it is one."""
+
+    @property
+    def kind(self) -> RoomKind:
+        """Of the room."""
+        return self.room.kind
+
+    @cached_property
+    def clear(self) -> Rects:
+        """(K,) floors that its openings keep free; borders of an open plan keep none."""
+        floors = [hole.clear for hole in self._keeping]
+        empty = np.zeros((0, 2))
+        arrays = ([getattr(floor, name) for floor in floors] for name in
+                  ("at", "right", "front", "half"))  # fmt: skip
+        return Rects(*(np.concatenate(own) if own else empty for own in arrays))
+
+    @cached_property
+    def clear_from_m(self) -> FloatArray:
+        """(K,) height above which each of these stays free."""
+        return np.array([hole.sill_m for hole in self._keeping])
+
+    @property
+    def _keeping(self) -> list[Hole]:
+        return [hole for hole in self.holes if not (hole.is_way and hole.depth_m < BORDER_M)]
+
+    @property
+    def ways(self) -> list[Hole]:
+        """Doors and passages."""
+        return [hole for hole in self.holes if hole.is_way]
+
+    @property
+    def windows(self) -> list[Hole]:
+        """Windows."""
+        return [hole for hole in self.holes if not hole.is_way]
+
+
+@lru_cache(maxsize=16)  # drafts of a house ask for the same plan again and again
+def shells(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> dict[str, Shell]:
+    """Every room of a plan by its id."""
+    holes: dict[str, list[Hole]] = {room.id: [] for room in rooms}
+    for opening, room in sides_of(openings, rooms):
+        holes[room.id].append(_hole(opening, room))
+    borders: dict[str, list[Opening]] = {room.id: [] for room in rooms}
+    joined: dict[str, set[str]] = {room.id: set() for room in rooms}
+    kinds = {room.id: room.kind for room in rooms}
+    for border in open_borders(rooms, openings):
+        for room_id in border.room_ids:
+            borders[room_id].append(border)
+    for way in (*openings, *open_borders(rooms, openings)):
+        for room_id in way.room_ids:
+            if room_id in joined and way.kind != "window":
+                joined[room_id] |= {kinds[other] for other in way.room_ids if other in kinds}
+    areas = {room.id: float(room_polygon(room).area) for room in rooms}
+    return {
+        room.id: Shell(
+            room,
+            areas[room.id],
+            _solid(room, [*(one for one in openings if one.kind == "passage"),
+                          *borders[room.id]]),
+            tuple(holes[room.id]),
+            np.array(room_sides(room)),
+            areas[room.id] >= max(areas[o.id] for o in rooms if o.kind == room.kind),
+            room.kind == "kitchen" or "kitchen" in joined[room.id],
+        )
+        for room in rooms
+    }  # fmt: skip
+
+
+def _hole(opening: Opening, room: Room) -> Hole:
+    turn = np.radians(opening.box.yaw_deg)
+    along = np.array([np.cos(turn), np.sin(turn)])
+    across = np.array([-along[1], along[0]])
+    middle = np.array(opening.box.center_m[:2])
+    half, depth = opening.box.size_m[0] / 2, opening.box.size_m[1]
+    probe = middle + across * (depth / 2 + _REACH_M)
+    inward = across if inside(probe[None], room.polygon_m)[0] else -across
+    ends = np.array([middle - along * half, middle + along * half])
+    return Hole(opening.id, opening.kind, ends, inward, depth, opening.box.center_m[2])
+
+
+def inside(points: FloatArray, polygon: FloatArray) -> BoolArray:
+    """(N,) which points (N, 2) lie in a polygon (M, 2)."""
+    start, end = polygon, np.roll(polygon, -1, axis=0)
+    x, y = points[:, :1], points[:, 1:]
+    spans = (start[:, 1] > y) != (end[:, 1] > y)
+    rise = np.where(end[:, 1] == start[:, 1], 1.0, end[:, 1] - start[:, 1])
+    at = start[:, 0] + (y - start[:, 1]) / rise * (end[:, 0] - start[:, 0])
+    odd: BoolArray = (spans & (x < at)).sum(axis=1) % 2 == 1
+    return odd
+
+
+def _solid(room: Room, gaps: Sequence[Opening]) -> FloatArray:
+    """(W, 2, 2) the sides of a room without the spans of passages and open borders."""
+    found = []
+    for start, end in room_sides(room):
+        length = float(np.hypot(*(end - start)))
+        if length < 1e-6:
+            continue
+        along = (end - start) / length
+        left = [(0.0, length)]
+        for gap in gaps:
+            ahead = np.array(gap.box.center_m[:2]) - start
+            turn = np.radians(gap.box.yaw_deg)
+            is_along = abs(along @ (np.cos(turn), np.sin(turn))) > 0.9
+            away = abs(float(ahead @ (-along[1], along[0])))
+            if is_along and away < gap.box.size_m[1] / 2 + _REACH_M:
+                s, half = float(ahead @ along), gap.box.size_m[0] / 2
+                left = [
+                    (low, high)
+                    for a, b in left
+                    for low, high in ((a, min(b, s - half)), (max(a, s + half), b))
+                    if high - low > 1e-3
+                ]
+        found += [(start + along * a, start + along * b) for a, b in left]
+    return np.array(found).reshape(-1, 2, 2)
