@@ -10,7 +10,7 @@ from chord_usd.base.scene.types import Box, Edit, Facts, FrontFrom
 
 FACT_KEYS = (
     "source_px", "front_from", "detected", "below_sill_m", "asset_distance_m", "ood", "edits",
-    "moved_m", "rests_on",
+    "moved_m", "rests_on", "unit",
 )  # fmt: skip
 """moved_m is of older files; it follows from the edits."""
 
@@ -33,6 +33,7 @@ def read_facts(element: Element, read_box: ReadBox) -> Facts:
         ood=_number(element, "ood"),
         edits=_edits(element, read_box),
         rests_on=element.text("rests_on") if element.has("rests_on") else None,
+        unit=element.text("unit") if element.has("unit") else None,
     )
 
 
@@ -74,5 +75,6 @@ def facts_to_json(facts: Facts, write_box: Callable[[Box], Any]) -> dict[str, An
         "ood": facts.ood,
         "edits": [{"rule": e.rule, **write_box(e.before)} for e in facts.edits] or None,
         "rests_on": facts.rests_on,
+        "unit": facts.unit,
     }
     return {key: value for key, value in values.items() if value is not None}

@@ -135,7 +135,7 @@ _HOUSE_ROWS: tuple[tuple[str, str, str, _Span, _Span, _Span, tuple[RoomKind, ...
      {"supports": True}),
     ("side_coffee_table", "Side Coffee Table", "99FFCC", (0.35, 0.65), (0.35, 0.65), (0.4, 0.6),
      ("living", "bedroom", "study", "balcony"), {"supports": True}),
-    ("single_door_floor_cabinet", "Single Door Floor Cabinet", "9999FF", (0.3, 0.55), (0.5, 0.65),
+    ("single_door_floor_cabinet", "Single Door Floor Cabinet", "9999FF", (0.2, 0.55), (0.5, 0.65),
      (0.8, 0.95), _COOK, {"supports": True}),
     ("double_door_floor_cabinet", "Double Door Floor Cabinet", "6666FF", (0.6, 1.1), (0.5, 0.65),
      (0.8, 0.95), _COOK, {"supports": True}),

@@ -225,6 +225,8 @@ class Facts:
     """What rules did to it, in order."""
     rests_on: str | None = None
     """Id of the piece that dressing lies on, stands in or hangs over: the bed of a throw."""
+    unit: str | None = None
+    """Of a composed kitchen: the variety of the unit (compose.cut.Variety), "" for a plain one."""
 
 
 @dataclass(frozen=True, eq=False)

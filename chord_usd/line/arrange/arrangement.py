@@ -91,7 +91,9 @@ class Arrangement:
         return FLUSH_PX * self.painted.frame.m_per_px if self.painted else 0.0
 
     def may_move(self, item: Item) -> bool:
-        """Whether a piece may move, or go."""
+        """Whether a piece may move, or go; units of a composed kitchen stay."""
+        if item.facts.unit is not None:
+            return False
         return self.movable is None or item.id in self.movable
 
     def free_places(self, item: Item, among: Iterable[Item], *, anew: bool = False) -> FreePlaces:

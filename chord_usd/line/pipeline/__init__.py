@@ -159,7 +159,7 @@ def furnish(
     with watch.step("layout") as progress:
         layout = draw_layout(plan, plan_image, models.layout, plan_file, settings, listed, progress)
     with watch.step("graph"):
-        graph = draw.heeded(models.reader.read(layout, plan))
+        graph = draw.heeded(models.reader.read(layout, plan), listed)
         first = FirstDraw(listed, layout, graph)
     with watch.step("redraw") as progress:
         leave_out = partial(arrange_drawn, draw=draw) if settings.arrange else None
@@ -271,7 +271,10 @@ def sampling(
     """How layouts are sampled, with lists where there is a network for them."""
     if asked and lists is None:
         require_lists(settings)
-    return Draw(settings.seed, settings.steps, settings.sampler, lists, asked or {})
+    return Draw(
+        settings.seed, settings.steps, settings.sampler, lists, asked or {},
+        composes=settings.arrange,
+    )  # fmt: skip
 
 
 def require(settings: Settings) -> None:

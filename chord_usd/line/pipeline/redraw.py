@@ -31,6 +31,7 @@ from chord_usd.base.scene.types import (
 )
 
 if TYPE_CHECKING:
+    from chord_usd.line.compose.kitchens import Kitchens
     from chord_usd.base.runtime.progress import Progress, Stopwatch
     from chord_usd.line.layout.sample import LayoutModel
     from chord_usd.line.lists.list_sampler import ListDrawer
@@ -73,6 +74,8 @@ class Draw:
     """What rooms shall hold, by room id."""
     shut: frozenset[str] = frozenset()
     """Ids of rooms in which nothing stands: those of stairs."""
+    composes: bool = False
+    """Whether kitchens are composed before they are painted, and put back as composed."""
 
     def listed(
         self, graph: SceneGraph, rooms: Sequence[Room], kept_ids: Collection[str] = ()
@@ -83,8 +86,9 @@ class Draw:
         """
         if self.lists is None:
             return None
-        from chord_usd.line.lists.house import Drafts, furnish_by_lists
-        from chord_usd.line.lists.wishes import Asked
+        from chord_usd.lists.house import Drafts, furnish_by_lists
+        from chord_usd.lists.pieces import CATEGORY_ORDER
+        from chord_usd.lists.wishes import Asked, Piece
 
         asked = {
             room.id: replace(
@@ -95,10 +99,83 @@ class Draw:
             if room.id not in self.shut
         }
         drafts = Drafts(self.seed, DRAFTS)
-        return furnish_by_lists(graph.plan, self.lists, drafts, asked, list(asked), graph.items)
+        ids = list(asked)
+        listed = furnish_by_lists(graph.plan, self.lists, drafts, asked, ids, graph.items)
+        kitchens = self._kitchens(listed, rooms, asked)
+        if not kitchens:
+            return listed
+        from chord_usd.compose.kitchens import displaced, with_kitchens
+        from chord_usd.metrics.unit_gaps import KITCHEN_UNITS
 
-    def heeded(self, graph: SceneGraph) -> SceneGraph:
-        """A house that was read, without what its rooms shall not hold."""
+        again = {}
+        for room_id in displaced(listed, kitchens):
+            others = [one for one in listed.items_of(room_id) if one.category not in KITCHEN_UNITS]
+            stay = (*asked[room_id].kept, *kitchens[room_id])
+            pieces = tuple(Piece(item.category) for item in (*others, *kitchens[room_id]))
+            again[room_id] = Asked(pieces, frozenset(CATEGORY_ORDER), stay)
+        if again:
+            # What stood where units are now, around these.
+            ids = list(again)
+            listed = furnish_by_lists(graph.plan, self.lists, drafts, again, ids, listed.items)
+        gone = {item.id for own in displaced(listed, kitchens).values() for item in own}
+        return with_kitchens(listed.without(gone), kitchens)
+
+    def _kitchens(
+        self, house: SceneGraph, rooms: Sequence[Room], asked: Mapping[str, Asked]
+    ) -> Kitchens:
+        """Units composed for the kitchens of a house, which holds what was placed in them."""
+        if not self.composes:
+            return {}
+        from chord_usd.compose.kitchens import composed_kitchens, with_kitchens
+
+        found = composed_kitchens(
+            house, [room for room in rooms if room.id not in self.shut], self.seed,
+            {room_id: own.excluded for room_id, own in asked.items()},
+            {room_id: own.kept for room_id, own in asked.items()},
+        )  # fmt: skip
+        made = with_kitchens(house, found)
+
+        def grants(room_id: str) -> bool:
+            """Whether composing takes nothing away that is wished for."""
+            own = asked.get(room_id)
+            if own is None or not own.wanted:
+                return True
+            before, after = (own.missing(one.items_of(room_id)) for one in (house, made))
+            return len(after) <= len(before)
+
+        return {room_id: units for room_id, units in found.items() if grants(room_id)}
+
+    def heeded(
+        self,
+        graph: SceneGraph,
+        listed: SceneGraph | None = None,
+        rooms: Sequence[Room] | None = None,
+        kept: Collection[Item] = (),
+    ) -> SceneGraph:
+        """A house that was read, without what its rooms shall not hold, kitchens as composed.
+
+        listed: what was painted; without, kitchens are composed from what was read. rooms: those
+        that were drawn, by default all. kept: pieces that stand in them and are not in the graph.
+        """
+        graph = self._without_excluded(graph)
+        if not self.composes:
+            return graph
+        from chord_usd.compose.kitchens import composed_of, put_back
+        from chord_usd.lists.wishes import Asked
+
+        if listed is not None:
+            return put_back(graph, composed_of(listed))
+        rooms = graph.rooms if rooms is None else rooms
+        asked = {
+            room.id: replace(
+                self.asked.get(room.id, Asked()),
+                kept=tuple(item for item in kept if item.room_id == room.id),
+            )
+            for room in rooms
+        }
+        return put_back(graph, self._kitchens(graph, rooms, asked))
+
+    def _without_excluded(self, graph: SceneGraph) -> SceneGraph:
         shut_out = {room_id: own.excluded for room_id, own in self.asked.items()}
         return graph.without(
             item.id
@@ -136,6 +213,8 @@ class Redrawn:
     """The same with the new furniture; every pixel outside the rooms is that of before."""
     alone: LayoutImage
     """The new furniture without that of other rooms, which would run into it where rooms touch."""
+    listed: SceneGraph | None = None
+    """What lists tell of the rooms; None without lists."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +293,8 @@ def mend_rooms(
         for group in _drawn_together(rooms):
             base, given = with_wishes(graph, group, own) if draw.asked else (graph, frozenset())
             drawn = redraw_rooms(base, group, plan_image, model, own, kept_ids=given)
-            found = draw.heeded(read(drawn.alone, graph.plan))
+            given_items = [item for item in base.items if item.id in given]
+            found = own.heeded(read(drawn.alone, graph.plan), drawn.listed, group, given_items)
             for room in group:
                 items = tuple(item for item in base.items_of(room.id) if item.id in given)
                 new = with_furniture(graph, room, items)
@@ -279,7 +359,7 @@ def redraw_rooms(
         rgb = sheet.turned_back(layout.rgb, drawn, plan_image, region)
         return replace(layout, rgb=frozen_array(rgb, rgb.dtype), frame=plan_image.frame)
 
-    return Redrawn(before, in_rooms_else(before.rgb), in_rooms_else(plan_image.rgb))
+    return Redrawn(before, in_rooms_else(before.rgb), in_rooms_else(plan_image.rgb), listed)
 
 
 def furnish_again(
@@ -303,7 +383,8 @@ def furnish_again(
             base, stay = with_wishes(graph, [room], own, kept_ids) if attempt else (graph, kept_ids)
             drawn = redraw_rooms(base, [room], plan_image, model, own, progress, stay)
         with watch.step("graph"):
-            found = draw.heeded(read(drawn.alone, graph.plan))
+            kept = [item for item in base.items if item.id in stay]
+            found = own.heeded(read(drawn.alone, graph.plan), drawn.listed, [room], kept)
             made = replace(drawn.layout.provenance, seed=draw.seed)
             new = with_furniture(base, room, found.items_of(room.id), stay)
             new = replace(new, provenance=made)

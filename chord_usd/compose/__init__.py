@@ -1,0 +1,1 @@
+"""Kitchens composed as runs of units along walls, before they are painted."""

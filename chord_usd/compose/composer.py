@@ -1,0 +1,73 @@
+"""A kitchen for a room: the cheapest in the taste of one seed, cut into units."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+
+import numpy as np
+
+from chord_usd.compose.cut import Unit, units_of
+from chord_usd.compose.search import Wanted, cheapest
+from chord_usd.compose.site import Site, site_of
+from chord_usd.metrics.clear_floor import shut_borders
+from chord_usd.metrics.fronts import shut_fronts
+from chord_usd.metrics.unit_gaps import KITCHEN_UNITS
+from chord_usd.scene.geometry import room_polygon
+from chord_usd.scene.trim import DRIP_M
+from chord_usd.scene.types import WALL_THICKNESS_M, Item, Room, SceneGraph
+
+DEPTHS_M = 0.6, 0.55, 0.5
+HEIGHT_M = 0.87
+LEAST_HEIGHT_M = 0.8
+"""Of a worktop below a low window."""
+_LOOKED_AT = 4
+"""Kitchens of which the first is taken whose fronts can all be stood before."""
+
+
+def compose(
+    house: SceneGraph,
+    room: Room,
+    seed: int,
+    *,
+    hints: Iterable[Item] = (),
+    stays: Collection[Item] = (),
+    without: Collection[str] = frozenset(),
+) -> list[Unit]:
+    """Units for a room of a house, [] where no run fits in.
+
+    hints: units that lists or a picture have placed: walls and extents are taken from them where
+    numbers allow. stays: pieces that units stand beside; other pieces may move, and are paid for.
+    without: categories that are not wanted.
+    """
+    held = {item.id for item in stays}
+    moves = [item for item in house.items_of(room.id)
+             if item.category not in KITCHEN_UNITS and item.id not in held]  # fmt: skip
+    site = site_of(house, room, stays, moves)
+    own = tuple((item.category, *item.box.center_m[:2]) for item in hints)
+    wanted = Wanted("refrigerator" not in without, "electrical_floor_cabinet" not in without, own,
+                    worktop_height(site))  # fmt: skip
+    rng = np.random.default_rng(seed)
+    best: tuple[int, list[Unit]] | None = None
+    for found in cheapest(site, wanted, rng, DEPTHS_M)[:_LOOKED_AT]:
+        units = units_of(found, wanted, rng)
+        shut = _shut(house, room, stays, units)
+        if best is None or shut < best[0]:
+            best = shut, units
+        if not shut:
+            break
+    return best[1] if best else []
+
+
+def _shut(house: SceneGraph, room: Room, stays: Collection[Item], units: Sequence[Unit]) -> int:
+    """How many fronts nobody could stand before, and borders nobody could cross."""
+    items = [Item(str(index), unit.category, unit.box, room.id) for index, unit in enumerate(units)]
+    floor = room_polygon(room)
+    rooms = [one for one in house.rooms if room_polygon(one).dwithin(floor, WALL_THICKNESS_M / 2)]
+    own = SceneGraph(tuple(rooms), house.openings, (*stays, *items))
+    return len(shut_fronts(own)) + sum(1 for _ in shut_borders(own))
+
+
+def worktop_height(site: Site) -> float:
+    """Below the lowest sill that units can stand under."""
+    sills = [sill - DRIP_M[1] - 0.002 for sill in site.sills]
+    return min([HEIGHT_M, *(sill for sill in sills if sill >= LEAST_HEIGHT_M)])

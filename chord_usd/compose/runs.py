@@ -1,0 +1,218 @@
+"""The shapes that a kitchen can have in a room: one wall, galley, L, U, and an island."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from chord_usd.compose.site import Site, Span, Wall
+from chord_usd.scene.types import FloatArray
+
+CELL_M = 0.05
+"""Widths of units are multiples of it."""
+LEAST_M = 0.6
+"""No run is shorter."""
+LEAST_ALONE_M = 1.2
+MOST_CELLS = 120
+"""No run is longer."""
+LEAST_DOOR_M = 0.3
+"""Of the part of a corner unit that opens."""
+
+End = Literal["free", "wall", "corner", "beside corner"]
+"""What a run ends at: nothing; a wall beside it; the wall of another run, with a unit in the corner
+of which one depth is hidden; the front of that unit."""
+Form = Literal["one wall", "galley", "L", "U"]
+
+_LENGTHS_M = 1.8, 2.4, 3.0, 3.6, 4.2, 4.8
+"""Of runs that could be longer."""
+_SQUARE = 0.03
+_AT_CORNER_M = 0.02
+_BETWEEN_FRONTS_M = 0.85
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A stretch of units along a wall, in cells of CELL_M."""
+
+    wall: Wall
+    low: float
+    """Where it begins along the wall, metres."""
+    cells: int
+    depth: float
+    ends: tuple[End, End]
+    slack: float = 0.0
+    """What is left between two fixed ends; one of its units takes it."""
+    clear: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """(cells,) free floor before each cell, metres."""
+
+    @property
+    def high(self) -> float:
+        """Where it ends along the wall."""
+        return self.low + self.cells * CELL_M + self.slack
+
+    @property
+    def corners(self) -> FloatArray:
+        """(4, 2) of its footprint."""
+        return self.wall.rectangle(self.low, self.high, 0.0, self.depth)
+
+    @property
+    def hidden(self) -> int:
+        """Cells of a corner unit that the other run stands before."""
+        return round(self.depth / CELL_M)
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One or more runs."""
+
+    form: Form
+    runs: tuple[Run, ...]
+
+    @property
+    def is_linked(self) -> bool:
+        """Whether one worktop goes through."""
+        return self.form != "galley"
+
+
+def shapes(site: Site, depth: float, height: float) -> Iterator[Shape]:
+    """Every shape that the free walls of a room allow, at full length and shorter."""
+    spans = {
+        wall.index: [_Stretch(wall, *span) for span in wall.spans(depth, height, LEAST_M)]
+        for wall in site.walls
+    }
+    every = [one for own in spans.values() for one in own]
+    for one in every:
+        if one.length >= LEAST_ALONE_M:
+            yield from (Shape("one wall", (run,)) for run in _cut(one.run(depth)))
+    for index, one in enumerate(every):
+        for other in every[index + 1 :]:
+            if _faces(one, other, depth):
+                for first in _cut(one.run(depth)):
+                    yield from (Shape("galley", (first, run)) for run in _cut(other.run(depth)))
+    pairs = [(one, other) for one in every for other in every if _meets(one, other)]
+    for one, other in pairs:
+        yield from _corner(one, other, depth)
+        for again, third in pairs:
+            if again is other and third is not one:
+                yield from _two_corners(one, other, third, depth)
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    """Free wall."""
+
+    wall: Wall
+    low: float
+    high: float
+
+    @property
+    def length(self) -> float:
+        return self.high - self.low
+
+    def run(self, depth: float) -> Run:
+        """Over all of it."""
+        at_low: End = "wall" if self.low < _AT_CORNER_M else "free"
+        at_high: End = "wall" if self.high > self.wall.length - _AT_CORNER_M else "free"
+        return _run(self.wall, (self.low, self.high), depth, (at_low, at_high))
+
+
+def _run(wall: Wall, span: Span, depth: float, ends: tuple[End, End]) -> Run:
+    cells = int((span[1] - span[0] + 1e-6) / CELL_M)
+    rest = span[1] - span[0] - cells * CELL_M
+    if "free" not in ends:
+        return Run(wall, span[0], cells, depth, ends, rest)
+    return Run(wall, span[0] + (rest if ends[0] == "free" else 0.0), cells, depth, ends)
+
+
+def _cut(run: Run) -> Iterator[Run]:
+    """The run, and shorter ones that end earlier at one end."""
+    if run.cells <= MOST_CELLS:
+        yield run
+    for length in _LENGTHS_M:
+        cells = round(length / CELL_M)
+        spare = run.cells - cells
+        if spare < 6:
+            continue
+        if run.ends[1] in ("free", "wall"):
+            yield replace(run, cells=cells, ends=(run.ends[0], "free"), slack=0.0)
+        if run.ends[0] in ("free", "wall"):
+            low = run.high - cells * CELL_M
+            yield replace(run, low=low, cells=cells, ends=("free", run.ends[1]), slack=0.0)
+
+
+def _faces(one: _Stretch, other: _Stretch, depth: float) -> bool:
+    """Whether two walls look at each other, with an aisle between their runs."""
+    apart = one.wall.local(other.wall.start)[1]
+    if one.wall.along @ other.wall.along > -1 + _SQUARE:
+        return False
+    ends = one.wall.local(np.array([other.wall.at(other.low, 0.0), other.wall.at(other.high, 0.0)]))
+    beside = min(one.high, ends[:, 0].max()) - max(one.low, ends[:, 0].min())
+    return bool(apart >= 2 * depth + _BETWEEN_FRONTS_M and beside > LEAST_M)
+
+
+def _meets(one: _Stretch, other: _Stretch) -> bool:
+    """Whether a stretch ends in the square inner corner where another one begins."""
+    return bool(
+        np.hypot(*(one.wall.at(one.wall.length, 0.0) - other.wall.start)) < _AT_CORNER_M
+        and one.wall.inward @ other.wall.along > 1 - _SQUARE**2
+        and one.high > one.wall.length - _AT_CORNER_M
+        and other.low < _AT_CORNER_M
+    )
+
+
+def _corner(one: _Stretch, other: _Stretch, depth: float) -> Iterator[Shape]:
+    """L: the unit in the corner belongs to one of the two runs."""
+    first, second = one.run(depth), other.run(depth)
+    blind = depth + LEAST_DOOR_M
+    if other.length >= blind and one.length - depth >= LEAST_M:
+        begins = _run(
+            one.wall, (one.low, one.high - depth), depth, (first.ends[0], "beside corner")
+        )
+        goes_on = replace(second, ends=("corner", second.ends[1]))
+        yield from _ls(begins, goes_on)
+    if one.length >= blind and other.length - depth >= LEAST_M:
+        begins = replace(first, ends=(first.ends[0], "corner"))
+        span = (other.low + depth, other.high)
+        goes_on = _run(other.wall, span, depth, ("beside corner", second.ends[1]))
+        yield from _ls(begins, goes_on)
+
+
+def _ls(one: Run, other: Run) -> Iterator[Shape]:
+    for first in _cut(one):
+        for second in _cut(other):
+            yield Shape("L", (first, second))
+
+
+def _two_corners(one: _Stretch, middle: _Stretch, other: _Stretch, depth: float) -> Iterator[Shape]:
+    """U: the middle run has both corners."""
+    aisle = middle.length - 2 * depth
+    if aisle < _BETWEEN_FRONTS_M or min(one.length, other.length) - depth < LEAST_M:
+        return
+    if middle.length > MOST_CELLS * CELL_M:
+        return
+    along = replace(middle.run(depth), ends=("corner", "corner"))
+    first, last = one.run(depth), other.run(depth)
+    left = _run(one.wall, (one.low, one.high - depth), depth, (first.ends[0], "beside corner"))
+    right = _run(
+        other.wall, (other.low + depth, other.high), depth, ("beside corner", last.ends[1])
+    )
+    for begins in _cut(left):
+        yield from (Shape("U", (begins, along, ends)) for ends in _cut(right))
+
+
+def seen(site: Site, shape: Shape) -> Shape:
+    """The shape, its runs with the free floor before them."""
+    return replace(shape, runs=tuple(
+        replace(run, clear=_clear(site, run, [one for one in shape.runs if one is not run]))
+        for run in shape.runs
+    ))  # fmt: skip
+
+
+def _clear(site: Site, run: Run, others: Sequence[Run]) -> FloatArray:
+    s = run.low + (np.arange(run.cells) + 0.5) * CELL_M
+    points = run.wall.start + s[:, None] * run.wall.along + run.depth * run.wall.inward
+    sides = [np.stack([c, np.roll(c, -1, axis=0)], axis=1) for c in (o.corners for o in others)]
+    return site.clear_m(points, run.wall.inward, np.concatenate([np.zeros((0, 2, 2)), *sides]))

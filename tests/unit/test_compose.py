@@ -1,0 +1,163 @@
+"""Kitchens are composed as runs: by published numbers, in their room, off openings and pieces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from chord_usd.compose.composer import compose
+from chord_usd.compose.kitchens import (
+    composed_kitchens,
+    composed_of,
+    put_back,
+    with_kitchens,
+)
+from chord_usd.compose.widths import FITS, WIDTHS, splits
+from chord_usd.metrics.unit_gaps import KITCHEN_UNITS
+from chord_usd.metrics.violations import violations
+from chord_usd.scene.geometry import footprint_polygon, to_own
+from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
+from tests.every import for_every
+
+SIZES_M = ((2.4, 3.0), (1.9, 4.2), (3.0, 3.4), (4.0, 2.6), (5.0, 4.0), (2.0, 2.1))
+KIT = "kitchen_1"
+
+
+def kitchen(size_m: tuple[float, float], sill_m: float = 0.9, door_at: float = 0.5) -> SceneGraph:
+    """A room with a door in its south wall and a window in its north wall."""
+    wide, deep = size_m
+    corners = frozen_array([[0, 0], [wide, 0], [wide, deep], [0, deep]])
+    door = Box((wide * door_at, -0.12, 0.0), (0.8, 0.24, 2.1), 0.0)
+    window = Box((wide / 2, deep + 0.12, sill_m), (1.2, 0.24, 1.4), 0.0)
+    openings = (
+        Opening("door1", "door", door, (KIT,)),
+        Opening("window1", "window", window, (KIT,)),
+    )
+    return Plan((Room(KIT, "kitchen", corners, "Kitchen"),), openings).scene()
+
+
+def composed(house: SceneGraph, seed: int = 0) -> SceneGraph:
+    return with_kitchens(house, composed_kitchens(house, house.rooms, seed, {}, {}))
+
+
+def one(house: SceneGraph, category: str) -> Item:
+    return next(item for item in house.items if item.category == category)
+
+
+@for_every("size_m", SIZES_M)
+def test_nothing_is_wrong_with_a_composed_kitchen(size_m: tuple[float, float]) -> None:
+    """Nothing overlaps, is out of reach or before an opening; essentials and a refrigerator."""
+    for seed in range(4):
+        house = composed(kitchen(size_m), seed)
+        assert not violations(house)
+        assert {"sink_cabinet", "cooker_cabinet", "refrigerator"} <= {
+            i.category for i in house.items
+        }
+
+
+@for_every("size_m", SIZES_M[1:5])
+def test_the_cooker_stands_between_worktops(size_m: tuple[float, float]) -> None:
+    """30 cm on both sides, in its run or round its corner, and never below the window."""
+    for seed in range(4):
+        house = composed(kitchen(size_m), seed)
+        cooker = one(house, "cooker_cabinet")
+        ends = footprint_polygon(cooker.box).bounds
+        assert cooker.box.yaw_deg != 0.0 or min(ends[2], size_m[0] / 2 + 0.6) - max(
+            ends[0], size_m[0] / 2 - 0.6
+        ) < 0.05  # fmt: skip
+        for side in (-1, 1):
+            x_m = side * (cooker.box.size_m[0] / 2 + 0.14)
+            assert any(
+                np.all(
+                    np.abs(to_own(item.box, _world(cooker, x_m)))
+                    < np.array(item.box.size_m[:2]) / 2
+                )
+                for item in house.items
+                if item.category.endswith("floor_cabinet") and item.box.size_m[2] < 1.0
+            )
+
+
+def _world(item: Item, x_m: float) -> np.ndarray:
+    from chord_usd.scene.geometry import to_world
+
+    return to_world(item.box, (x_m, 0.0))
+
+
+def test_what_is_tall_ends_its_run() -> None:
+    for seed in range(6):
+        house = composed(kitchen((4.0, 3.2)), seed)
+        for tall in (item for item in house.items if item.box.size_m[2] > 1.2):
+            low = [item for item in house.items if item.box.size_m[2] < 1.0]
+            sides = [
+                any(abs(to_own(tall.box, item.box.center_m[:2])[1]) < 0.1
+                    and 0 < side * to_own(tall.box, item.box.center_m[:2])[0]
+                    - (tall.box.size_m[0] + item.box.size_m[0]) / 2 + 0.05 < 0.1 for item in low)
+                for side in (-1, 1)
+            ]  # fmt: skip
+            assert not all(sides)
+
+
+def test_worktops_stay_below_low_windows() -> None:
+    """All units of a kitchen are as high as the lowest sill allows."""
+    house = kitchen((3.0, 3.4), 0.84)
+    heights = {unit.box.size_m[2] for unit in compose(house, house.rooms[0], 1)}
+    assert len({height for height in heights if height < 1.2}) == 1
+    assert min(heights) <= 0.84 - 0.018
+
+
+def test_seeds_give_other_kitchens_and_the_same_seed_the_same() -> None:
+    house = kitchen((3.4, 3.6))
+    made = [tuple(compose(house, house.rooms[0], seed)) for seed in range(12)]
+    assert made[3] == tuple(compose(house, house.rooms[0], 3))
+    assert len(set(made)) >= 8
+
+
+def test_no_kitchen_where_none_fits() -> None:
+    house = kitchen((1.0, 1.1))
+    assert composed(house).items == ()
+
+
+def test_kept_units_and_excluded_essentials_leave_a_kitchen_alone() -> None:
+    house = composed(kitchen((3.0, 3.4)))
+    sink = one(house, "sink_cabinet")
+    rooms = house.rooms
+    assert not composed_kitchens(house, rooms, 0, {}, {KIT: [sink]})
+    assert not composed_kitchens(house, rooms, 0, {KIT: ["cooker_cabinet"]}, {})
+    without = composed_kitchens(house, rooms, 0, {KIT: ["refrigerator"]}, {})
+    assert "refrigerator" not in {item.category for item in without[KIT]}
+
+
+def test_a_kept_table_stays_clear_of_the_units() -> None:
+    house = kitchen((5.0, 4.0))
+    table = Item(
+        f"{KIT}/dining_table_0", "dining_table", Box((3.9, 2.6, 0), (1.2, 0.8, 0.75), 0), KIT
+    )
+    house = replace(house, items=(table,))
+    made = composed_kitchens(house, house.rooms, 2, {}, {KIT: [table]})
+    assert not violations(with_kitchens(house, made))
+
+
+def test_what_the_painter_tears_is_put_back() -> None:
+    """Units come back in their composed sizes and places, and note where they were painted."""
+    house = composed(kitchen((3.0, 3.4)))
+    kitchens = composed_of(house)
+    torn = [
+        replace(item, box=replace(item.box, size_m=(0.9 * item.box.size_m[0], 0.55, 0.87)))
+        for item in house.items
+        if item.category != "sink_cabinet"
+    ]
+    torn = [item.found(unit=None, source_px=((0.0, 0.0),) * 4) for item in torn]
+    back = put_back(replace(house, items=tuple(torn)), kitchens)
+    assert [item.box for item in back.items] == [item.box for item in house.items]
+    assert all(item.category in KITCHEN_UNITS for item in back.items)
+    edited = [item for item in back.items if item.facts.edits]
+    assert len(edited) >= len(torn) - 1
+
+
+@for_every("gap", range(121))
+def test_gaps_are_filled_with_widths_that_are_sold(gap: int) -> None:
+    ways = splits(gap)
+    assert bool(ways) == bool(FITS[gap])
+    assert all(sum(way) == gap and set(way) <= set(WIDTHS) for way in ways)
+    assert FITS[gap] or gap in (1, 2, 5)
