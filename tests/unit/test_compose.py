@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from chord_usd.compose.composer import compose
-from chord_usd.compose.kitchens import (
+from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
+from chord_usd.base.metrics.violations import violations
+from chord_usd.base.scene.geometry import footprint_polygon, to_own
+from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
+from chord_usd.line.compose.composer import compose
+from chord_usd.line.compose.kitchens import (
     composed_kitchens,
     composed_of,
     put_back,
     with_kitchens,
 )
-from chord_usd.compose.widths import FITS, WIDTHS, splits
-from chord_usd.metrics.unit_gaps import KITCHEN_UNITS
-from chord_usd.metrics.violations import violations
-from chord_usd.scene.geometry import footprint_polygon, to_own
-from chord_usd.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
+from chord_usd.line.compose.widths import FITS, WIDTHS, splits
 from tests.every import for_every
 
 SIZES_M = ((2.4, 3.0), (1.9, 4.2), (3.0, 3.4), (4.0, 2.6), (5.0, 4.0), (2.0, 2.1))
@@ -79,7 +79,7 @@ def test_the_cooker_stands_between_worktops(size_m: tuple[float, float]) -> None
 
 
 def _world(item: Item, x_m: float) -> np.ndarray:
-    from chord_usd.scene.geometry import to_world
+    from chord_usd.base.scene.geometry import to_world
 
     return to_world(item.box, (x_m, 0.0))
 

@@ -31,8 +31,8 @@ from chord_usd.base.scene.types import (
 )
 
 if TYPE_CHECKING:
-    from chord_usd.line.compose.kitchens import Kitchens
     from chord_usd.base.runtime.progress import Progress, Stopwatch
+    from chord_usd.line.compose.kitchens import Kitchens
     from chord_usd.line.layout.sample import LayoutModel
     from chord_usd.line.lists.list_sampler import ListDrawer
     from chord_usd.line.lists.wishes import Asked, Piece
@@ -86,9 +86,9 @@ class Draw:
         """
         if self.lists is None:
             return None
-        from chord_usd.lists.house import Drafts, furnish_by_lists
-        from chord_usd.lists.pieces import CATEGORY_ORDER
-        from chord_usd.lists.wishes import Asked, Piece
+        from chord_usd.line.lists.house import Drafts, furnish_by_lists
+        from chord_usd.line.lists.pieces import CATEGORY_ORDER
+        from chord_usd.line.lists.wishes import Asked, Piece
 
         asked = {
             room.id: replace(
@@ -104,8 +104,8 @@ class Draw:
         kitchens = self._kitchens(listed, rooms, asked)
         if not kitchens:
             return listed
-        from chord_usd.compose.kitchens import displaced, with_kitchens
-        from chord_usd.metrics.unit_gaps import KITCHEN_UNITS
+        from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
+        from chord_usd.line.compose.kitchens import displaced, with_kitchens
 
         again = {}
         for room_id in displaced(listed, kitchens):
@@ -126,7 +126,7 @@ class Draw:
         """Units composed for the kitchens of a house, which holds what was placed in them."""
         if not self.composes:
             return {}
-        from chord_usd.compose.kitchens import composed_kitchens, with_kitchens
+        from chord_usd.line.compose.kitchens import composed_kitchens, with_kitchens
 
         found = composed_kitchens(
             house, [room for room in rooms if room.id not in self.shut], self.seed,
@@ -160,8 +160,8 @@ class Draw:
         graph = self._without_excluded(graph)
         if not self.composes:
             return graph
-        from chord_usd.compose.kitchens import composed_of, put_back
-        from chord_usd.lists.wishes import Asked
+        from chord_usd.line.compose.kitchens import composed_of, put_back
+        from chord_usd.line.lists.wishes import Asked
 
         if listed is not None:
             return put_back(graph, composed_of(listed))

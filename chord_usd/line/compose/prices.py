@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd.scene.types import FloatArray
+from chord_usd.base.scene.types import FloatArray
 
 COOKER_SIDES_M = 0.3, 0.4
 """Beside the cooker, on both sides and on one [17]."""

@@ -10,12 +10,19 @@ from typing import Literal
 
 import numpy as np
 
-from chord_usd.compose.runs import CELL_M, Run
-from chord_usd.compose.search import Found, Wanted
-from chord_usd.compose.site import Wall
-from chord_usd.compose.talls import TALL_CELLS, TALL_DEPTH_M, TALL_HEIGHT_M
-from chord_usd.compose.widths import CORNER_DOORS, DISHWASHERS, FILLED, FITS, corner_doors, splits
-from chord_usd.scene.types import Box
+from chord_usd.base.scene.types import Box
+from chord_usd.line.compose.runs import CELL_M, Run
+from chord_usd.line.compose.search import Found, Wanted
+from chord_usd.line.compose.site import Wall
+from chord_usd.line.compose.talls import TALL_CELLS, TALL_DEPTH_M, TALL_HEIGHT_M
+from chord_usd.line.compose.widths import (
+    CORNER_DOORS,
+    DISHWASHERS,
+    FILLED,
+    FITS,
+    corner_doors,
+    splits,
+)
 
 Variety = Literal["", "corner", "dishwasher", "tower", "island"]
 """What a unit is beyond its category."""

@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from chord_usd.compose.site import Site, Span, Wall
-from chord_usd.scene.types import FloatArray
+from chord_usd.base.scene.types import FloatArray
+from chord_usd.line.compose.site import Site, Span, Wall
 
 CELL_M = 0.05
 """Widths of units are multiples of it."""

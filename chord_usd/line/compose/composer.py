@@ -6,15 +6,15 @@ from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
-from chord_usd.compose.cut import Unit, units_of
-from chord_usd.compose.search import Wanted, cheapest
-from chord_usd.compose.site import Site, site_of
-from chord_usd.metrics.clear_floor import shut_borders
-from chord_usd.metrics.fronts import shut_fronts
-from chord_usd.metrics.unit_gaps import KITCHEN_UNITS
-from chord_usd.scene.geometry import room_polygon
-from chord_usd.scene.trim import DRIP_M
-from chord_usd.scene.types import WALL_THICKNESS_M, Item, Room, SceneGraph
+from chord_usd.base.metrics.clear_floor import shut_borders
+from chord_usd.base.metrics.fronts import shut_fronts
+from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.trim import DRIP_M
+from chord_usd.base.scene.types import WALL_THICKNESS_M, Item, Room, SceneGraph
+from chord_usd.line.compose.cut import Unit, units_of
+from chord_usd.line.compose.search import Wanted, cheapest
+from chord_usd.line.compose.site import Site, site_of
 
 DEPTHS_M = 0.6, 0.55, 0.5
 HEIGHT_M = 0.87

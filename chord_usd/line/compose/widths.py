@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from chord_usd.compose.runs import CELL_M, MOST_CELLS
+from chord_usd.line.compose.runs import CELL_M, MOST_CELLS
 
 WIDTHS_M = 0.15, 0.2, 0.3, 0.4, 0.45, 0.5, 0.6, 0.8, 0.9, 1.0
 WIDTHS = tuple(round(width / CELL_M) for width in WIDTHS_M)

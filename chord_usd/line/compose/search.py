@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from chord_usd.compose import prices
-from chord_usd.compose.prices import price, short
-from chord_usd.compose.runs import CELL_M, Run, Shape, seen, shapes
-from chord_usd.compose.site import Site
-from chord_usd.compose.talls import Talls, talls
-from chord_usd.compose.widths import FILLED, FITS, NARROW, cornered, washed
-from chord_usd.scene.types import BoolArray, FloatArray
+from chord_usd.base.scene.types import BoolArray, FloatArray
+from chord_usd.line.compose import prices
+from chord_usd.line.compose.prices import price, short
+from chord_usd.line.compose.runs import CELL_M, Run, Shape, seen, shapes
+from chord_usd.line.compose.site import Site
+from chord_usd.line.compose.talls import Talls, talls
+from chord_usd.line.compose.widths import FILLED, FITS, NARROW, cornered, washed
 
 TASTE = 1.5
 """Most that a form of kitchen costs more in the taste of one home than in that of another."""

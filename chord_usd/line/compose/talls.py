@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from chord_usd.compose.prices import LANDING_M, NARROW_AISLE_M, price, short, worktop_m
-from chord_usd.compose.runs import CELL_M, Run, Shape
-from chord_usd.compose.site import Site, Wall
-from chord_usd.scene.types import FloatArray
+from chord_usd.base.scene.types import FloatArray
+from chord_usd.line.compose.prices import LANDING_M, NARROW_AISLE_M, price, short, worktop_m
+from chord_usd.line.compose.runs import CELL_M, Run, Shape
+from chord_usd.line.compose.site import Site, Wall
 
 TALL_DEPTH_M = 0.6
 TALL_HEIGHT_M = 2.1

@@ -6,14 +6,14 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from chord_usd.compose.composer import compose
-from chord_usd.compose.cut import Unit
-from chord_usd.compose.site import BEFORE_M, floor_of
-from chord_usd.metrics.footprints import is_underfoot
-from chord_usd.metrics.fronts import FRONT, floor_before
-from chord_usd.metrics.unit_gaps import KITCHEN_UNITS
-from chord_usd.scene.geometry import footprint_polygon
-from chord_usd.scene.types import Edit, Item, Room, SceneGraph
+from chord_usd.base.metrics.footprints import is_underfoot
+from chord_usd.base.metrics.fronts import FRONT, floor_before
+from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
+from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
+from chord_usd.line.compose.composer import compose
+from chord_usd.line.compose.cut import Unit
+from chord_usd.line.compose.site import BEFORE_M, floor_of
 
 RULE = "kitchen as composed"
 """Name of the edit in units that were painted elsewhere or in another size."""

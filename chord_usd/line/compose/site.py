@@ -14,11 +14,11 @@ from itertools import combinations
 import numpy as np
 import shapely
 
-from chord_usd.metrics.clear_floor import clearances, is_open_border, open_borders
-from chord_usd.metrics.fronts import FRONT, USED_SIDES, floor_before
-from chord_usd.scene.geometry import footprint, footprint_polygon, gaps, room_polygon
-from chord_usd.scene.trim import CASING_M, DRIP_M
-from chord_usd.scene.types import WALL_THICKNESS_M, FloatArray, Item, Opening, Room, SceneGraph
+from chord_usd.base.metrics.clear_floor import clearances, is_open_border, open_borders
+from chord_usd.base.metrics.fronts import FRONT, USED_SIDES, floor_before
+from chord_usd.base.scene.geometry import footprint, footprint_polygon, gaps, room_polygon
+from chord_usd.base.scene.trim import CASING_M, DRIP_M
+from chord_usd.base.scene.types import WALL_THICKNESS_M, FloatArray, Item, Opening, Room, SceneGraph
 
 Span = tuple[float, float]
 
