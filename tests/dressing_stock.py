@@ -9,6 +9,7 @@ from chord_usd.base.scene.types import Asset
 from chord_usd.library.database import AssetDatabase
 
 CURTAINS_M = {"Open": (0.3, 0.42), "Drawn": (0.6, 0.9, 1.3)}
+RUGS_M = ((1.4, 1.4), (2.4, 1.65), (2.8, 1.95), (3.2, 2.3))
 RAILS_M = (1.0, 1.4, 1.8, 2.2, 2.6, 3.0, 3.6)
 BLINDS_M = (0.6, 0.9, 1.2, 1.5, 1.8)
 
@@ -36,6 +37,8 @@ def _plain(row: Category) -> list[Asset]:
 def stock_of_boxes() -> AssetDatabase:
     """Something of every category of the dressing level."""
     assets = [asset for row in DRESSING_CATEGORIES for asset in _plain(row)]
+    # Flat weaves, which furniture may stand on; the plain ones are of pile.
+    assets += [_made(f"Rug_Flat_{n}", "rug", *side, 0.0045) for n, side in enumerate(RUGS_M)]
     taken = ("curtain", "curtain_rail", "blind", "throw")
     assets = [asset for asset in assets if asset.category not in taken]
     for word, lengths in CURTAINS_M.items():

@@ -74,6 +74,15 @@ def test_a_design_is_sound(design: Design) -> None:
         assert 0.0 <= z <= height
 
 
+def test_a_throw_is_a_cloth_and_no_block() -> None:
+    """A closed mesh around what it lies on would hold tens of litres of bed."""
+    for design in ALL:
+        if design.category == "throw":
+            cloth = next(part for part in design.parts() if part.name == "Throw")
+            mesh = trimesh.Trimesh(cloth.solid.points_m, cloth.solid.faces, process=False)
+            assert 2 * mesh.volume / mesh.area < 0.02, design.id
+
+
 def test_a_drawing_is_the_same_each_time() -> None:
     """Lofts, leaves and art: whatever draws random numbers takes them from the name."""
     for name in ("Plant_Monstera", "Books_40", "Vase_Pampas", "Basket_Round"):

@@ -91,6 +91,27 @@ def test_dressing_is_in_nothing_else(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", HOUSES)
+def test_nothing_stands_in_the_pile_of_a_rug(seed: int) -> None:
+    graph = dressed(seed)
+    on_floor = [item for item in graph.dressing if mount_of(item) is Mount.FLOOR]
+    rugs = [item for item in graph.dressing if mount_of(item) is Mount.UNDERFOOT]
+    for rug in rugs:
+        for item in (*graph.items, *on_floor):
+            if rug.box.size_m[2] > 0.005 and item.box.center_m[2] < 0.5:
+                assert not share_space(rug.box, item.box), (rug.id, item.id)
+
+
+def test_furniture_stands_on_flat_rugs() -> None:
+    under = [
+        rug.id
+        for graph in map(dressed, HOUSES)
+        for rug in graph.dressing
+        if rug.category == "rug" and any(share_space(rug.box, item.box) for item in graph.items)
+    ]
+    assert len(under) > len(HOUSES) / 2
+
+
+@pytest.mark.parametrize("seed", HOUSES)
 def test_dressing_is_in_its_room_and_keeps_doors_clear(seed: int) -> None:
     graph = dressed(seed)
     floors = {room.id: room_polygon(room).buffer(0.003) for room in graph.rooms}

@@ -21,6 +21,9 @@ from chord_usd.library.textiles.rug_patterns import Pattern, Rgb, woven
 
 Shape = Literal["rectangle", "round"]
 
+FLAT_M = 0.0045
+"""A flat weave: furniture stands on it."""
+
 _FRINGE_M = 0.045
 _TASSEL_EACH_M = 0.014
 _TASSEL_HIGH_M = 0.004
@@ -49,7 +52,7 @@ class _Weave:
     """How far the pile frays its outline."""
     yarn: float = 0.07
     pile: float = 0.05
-    height_m: float = 0.012
+    height_m: float = FLAT_M
     bound: int | None = None
     """Which of its colours the tape around its edge has; None for an edge without."""
 
@@ -224,21 +227,20 @@ _ROUNDS_M = ((0.9, 0.9), (1.2, 1.2), (1.6, 1.6), (2.0, 2.0))
 _P = rug_patterns
 _RECTANGLES = (
     _Weave("Bordered", _P.bordered, _BORDERED, ("modern", "scandinavian", "japanese"), bound=1),
-    _Weave("Striped", _P.stripes, _STRIPED, ("scandinavian",), fringe="cream_wool",
-           height_m=0.006),
+    _Weave("Striped", _P.stripes, _STRIPED, ("scandinavian",), fringe="cream_wool"),
     _Weave("Berber", _P.berber, _BERBER, ("scandinavian", "modern"), fringe="cream_wool",
            shaggy_m=0.006, yarn=0.11, pile=0.09, height_m=0.022),
-    _Weave("Arcs", _P.arcs, _ARCS, ("modern",), height_m=0.015, bound=0),
+    _Weave("Arcs", _P.arcs, _ARCS, ("modern",), bound=0),
     _Weave("Persian", _P.persian, _PERSIAN, ("classic",), fringe="cream_wool", pile=0.04),
     _Weave("Faded", _P.persian, _FADED, ("industrial",), fringe="oat_wool", yarn=0.1, pile=0.12),
     _Weave("Plain", _P.plain, _PLAIN, ("industrial", "japanese", "modern"), shaggy_m=0.003,
            yarn=0.1, pile=0.06, height_m=0.018),
-    _Weave("Checked", _P.checks, _CHECKED, ("industrial",), height_m=0.008, bound=1),
-    _Weave("Rush", _P.tatami, _RUSH, ("japanese",), height_m=0.006, pile=0.03, bound=2),
+    _Weave("Checked", _P.checks, _CHECKED, ("industrial",), bound=1),
+    _Weave("Rush", _P.tatami, _RUSH, ("japanese",), pile=0.03, bound=2),
 )  # fmt: skip
 _ROUNDS = (
     _Weave("Jute", _P.rings, _JUTE, ("scandinavian", "japanese", "industrial"), "round",
-           yarn=0.09, height_m=0.008),
+           yarn=0.09),
     _Weave("Disc", _P.plain, _PLAIN, ("modern", "japanese"), "round", shaggy_m=0.004, yarn=0.1,
            pile=0.06, height_m=0.018),
 )  # fmt: skip

@@ -43,7 +43,7 @@ from chord_usd.line.dressing.room_frame import (
     take_walls,
 )
 from chord_usd.line.dressing.stock import Stock
-from chord_usd.line.dressing.taken_space import TakenSpace
+from chord_usd.line.dressing.taken_space import TakenSpace, as_underfoot
 from chord_usd.line.dressing.tastes import taste_of
 from chord_usd.line.dressing.wall_faces import faces_of
 
@@ -146,7 +146,8 @@ class _House:
         floor = self._floors.polygons[self._floors.index_of[room.id]]
         walkways = Walkways(self._free, floor, pieces)
         for item in kept:
-            taken.add(item.box, "rug" if is_underfoot(item) else "dressing", item.id)
+            reason = as_underfoot(item.box) if is_underfoot(item) else "dressing"
+            taken.add(item.box, reason, item.id)
             if item.category == "radiator" or category(item.category).mount is Mount.FLOOR:
                 walkways.take(item.box)
         door = next(

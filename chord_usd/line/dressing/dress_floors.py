@@ -10,9 +10,11 @@ import numpy as np
 import shapely
 
 from chord_usd.base.scene.geometry import footprint_polygon, to_own, to_world
+from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Asset, Box, FloatArray, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
+from chord_usd.line.dressing.taken_space import as_underfoot
 from chord_usd.line.dressing.wall_faces import Hole, WallFace
 
 _FROM_WALL_M = 0.06
@@ -117,7 +119,7 @@ def _lay(
         yaw_deg = about.yaw_deg + (90.0 if rug.turned else 0.0)
         box = Box((float(x), float(y), 0.0), rug.asset.size_m, yaw_deg)
         if can_lie(frame, box):
-            frame.put(rug.asset, box, reason="rug")
+            frame.put(rug.asset, box, reason=as_underfoot(box))
             return True
     return False
 
@@ -149,17 +151,34 @@ class _Turned:
 
 
 def can_lie(frame: RoomFrame, box: Box) -> bool:
-    """Whether a rug is in the room, off its walls and doors, and under nothing built in."""
+    """Whether a rug is in the room, off its walls and doors, and under nothing built in.
+
+    Nothing stands in the pile of a thick one.
+    """
     shape = footprint_polygon(box)
     if not frame.floor.buffer(-_RUG_FROM_WALL_M).covers(shape):
         return False
     if frame.taken.hits(box, _DOORS_SWING):
         return False
-    return not any(
-        shapely.intersection(shape, footprint_polygon(item.box)).area > 0.02
-        for item in frame.pieces
-        if item.category not in _ON_RUG and item.box.center_m[2] < 0.5
+    return not _is_stood_in(frame, box)
+
+
+def _is_stood_in(frame: RoomFrame, box: Box) -> bool:
+    """Whether something stands where a rug would lie that cannot stand on it."""
+    shape, is_flat = footprint_polygon(box), as_underfoot(box) == "rug"
+    return any(
+        shapely.intersection(shape, footprint_polygon(item.box)).area > (0.02 if is_flat else 1e-4)
+        for item in _standing(frame)
+        if not (is_flat and item.category in _ON_RUG)
     )
+
+
+def _standing(frame: RoomFrame) -> Iterator[Item]:
+    """What stands on the floor of a room so far."""
+    yield from (item for item in frame.pieces if item.box.center_m[2] < 0.5)
+    for item in frame.placed:
+        if category(item.category).mount is Mount.FLOOR and item.facts.rests_on is None:
+            yield item
 
 
 def _indoor_mats(frame: RoomFrame) -> list[Asset]:
@@ -176,7 +195,7 @@ def _bath_mat(frame: RoomFrame) -> None:
             for way in _ways(piece.box):
                 box = _before(piece.box, way, asset)
                 if can_lie(frame, box):
-                    frame.put(asset, box, reason="rug")
+                    frame.put(asset, box, reason=as_underfoot(box))
                     return
 
 
@@ -206,7 +225,7 @@ def _kitchen_mat(frame: RoomFrame) -> None:
         for asset in frame.stock.some(mats, frame.draws.rng("kitchen_mat"), 4):
             box = _before(piece.box, (0, -1), asset)
             if can_lie(frame, box):
-                frame.put(asset, box, reason="rug")
+                frame.put(asset, box, reason=as_underfoot(box))
                 return
 
 
@@ -227,7 +246,7 @@ def _runner(frame: RoomFrame) -> None:
             box = Box((float(at[0]), float(at[1]), 0.0), asset.size_m, yaw)
             # Leaves open over a runner: it is thin, but rugs at thresholds wear and trip.
             if can_lie(frame, box):
-                frame.put(asset, box, reason="rug")
+                frame.put(asset, box, reason=as_underfoot(box))
                 return
 
 
@@ -238,9 +257,9 @@ def _doormat(frame: RoomFrame, face: WallFace, hole: Hole) -> None:
     for asset in sorted(mats, key=lambda a: (-a.size_m[0], a.id)):
         if asset.size_m[0] <= hole.width_m:
             box = face.box(hole.middle_m, 0.0, asset.size_m, 0.08)
-            is_in = frame.is_inside(box)
-            if is_in and not frame.taken.hits(box, ("clear", "pane", "dressing", "open", "front")):
-                frame.put(asset, box, reason="rug")
+            lies = frame.is_inside(box) and not _is_stood_in(frame, box)
+            if lies and not frame.taken.hits(box, ("clear", "pane", "dressing", "open", "front")):
+                frame.put(asset, box, reason=as_underfoot(box))
                 return
 
 

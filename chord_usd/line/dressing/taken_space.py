@@ -19,6 +19,16 @@ clear; a window's hole and what it keeps clear; a side of a room without a wall;
 the front of a piece."""
 
 
+STOOD_ON_M = 0.005
+"""Rugs and mats no thicker than this give way: furniture stands on them. Thicker ones have pile,
+in which nothing may stand."""
+
+
+def as_underfoot(box: Box) -> Reason:
+    """The reason of a rug or mat: whether others may stand on it."""
+    return "rug" if box.size_m[2] <= STOOD_ON_M else "dressing"
+
+
 class TakenSpace:
     """Upright boxes, each with the reason why nothing else may be there."""
 

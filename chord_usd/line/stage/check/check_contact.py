@@ -140,17 +140,20 @@ class Collision:
 
 
 def collisions(
-    items: Sequence[Body], walls: Sequence[Body], underfoot: Collection[str] = ()
+    items: Sequence[Body],
+    walls: Sequence[Body],
+    underfoot: Collection[str] = (),
+    soft: Collection[str] = (),
 ) -> list[Collision]:
     """Items that run into each other or into a wall by more than MIN_DEPTH_M.
 
-    An item and what it stands on are not compared: resting is contact. underfoot: paths of items
-    that others stand on, compared with walls only.
+    underfoot: paths of items that others stand on, compared with walls only. soft: paths of items
+    that sink into what carries them, which is not compared with them.
     """
     found = []
     items_at = {item.path for item in items}
     for a, b in _near_pairs(items, walls):
-        if a.path == b.parent or b.path == a.parent:
+        if (a.path == b.parent and b.path in soft) or (b.path == a.parent and a.path in soft):
             continue
         if b.path in items_at and (a.path in underfoot or b.path in underfoot):
             continue

@@ -35,6 +35,8 @@ PLUMBED = frozenset(("toilet", "washbasin"))
 """Floor categories whose designs may be hung on the wall they are plumbed to."""
 
 
+SOFT = frozenset(("cushion", "throw"))
+
 LEANING = frozenset(("cutting_board",))
 """Categories that stand on a board and lean against the wall behind it."""
 
@@ -42,6 +44,11 @@ LEANING = frozenset(("cutting_board",))
 def underfoot(dressing: Iterable[Item]) -> frozenset[str]:
     """Ids of rugs and mats, which furniture stands on and doors sweep over."""
     return frozenset(item.id for item in dressing if is_underfoot(item))
+
+
+def soft(dressing: Iterable[Item]) -> frozenset[str]:
+    """Ids of cushions and throws, which sink into what they lie on and hang around it."""
+    return frozenset(item.id for item in dressing if item.category in SOFT)
 
 
 class Held:

@@ -25,7 +25,7 @@ from chord_usd.line.stage.check.check_dressing import (
     count_objects,
     measure_dressing,
 )
-from chord_usd.line.stage.check.check_held import Held, underfoot
+from chord_usd.line.stage.check.check_held import Held, soft, underfoot
 from chord_usd.line.stage.check.check_rules import Finding, broken_rules
 from chord_usd.line.stage.check.check_scene import StageScene, read_storeys
 from chord_usd.line.stage.check.check_stairs import stair_faults
@@ -190,7 +190,8 @@ def _reported(stage: Usd.Stage) -> Report:
 
 
 def _collisions(scene: StageScene) -> list[Collision]:
-    return collisions(scene.items, scene.fixed, underfoot(scene.graph.dressing))
+    dressing = scene.graph.dressing
+    return collisions(scene.items, scene.fixed, underfoot(dressing), soft(dressing))
 
 
 def _together(storeys: Sequence[StageScene]) -> SceneGraph:
