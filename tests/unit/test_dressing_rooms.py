@@ -18,6 +18,22 @@ from chord_usd.base.scene.geometry import footprint, footprint_polygon, in_world
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.styles import STYLES
 from chord_usd.base.scene.types import (
+from chord_usd.data.furnish import furnish
+from chord_usd.data.houses import random_plan
+from chord_usd.dressing.dress import dress
+from chord_usd.metrics.clear_floor import clearances, enters_height
+from chord_usd.metrics.fronts import FRONT, STRIP_M, USED_SIDES, floor_before, shut_fronts
+from chord_usd.metrics.walk import free_floor, walk
+from chord_usd.scene.geometry import (
+    footprint,
+    footprint_polygon,
+    in_world,
+    polygons_of,
+    room_polygon,
+)
+from chord_usd.scene.palette import Mount, category
+from chord_usd.scene.styles import STYLES
+from chord_usd.scene.types import (
     ROOM_HEIGHT_M,
     Box,
     Item,
@@ -162,6 +178,19 @@ def test_one_walks_as_before(seed: int) -> None:
     before, after = walk(replace(graph, dressing=())), walk(graph)
     assert after.unreachable == before.unreachable
     assert after.walkable >= before.walkable - 0.02
+
+
+def parts(graph: SceneGraph) -> int:
+    """Parts of the floor that a robot 0.2 m wide gets to."""
+    reached = free_floor(graph).buffer(-0.1, quad_segs=2)
+    return sum(part.area > 0.02 for part in polygons_of(reached))
+
+
+@pytest.mark.parametrize("seed", HOUSES)
+def test_no_floor_is_cut_off_from_small_robots(seed: int) -> None:
+    graph = dressed(seed)
+    stands = tuple(item for item in graph.dressing if mount_of(item) is Mount.FLOOR)
+    assert parts(replace(graph, dressing=stands)) <= parts(replace(graph, dressing=()))
 
 
 @pytest.mark.parametrize("seed", HOUSES)

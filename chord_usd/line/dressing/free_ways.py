@@ -24,6 +24,10 @@ _COMFORT_M = 0.28
 """Half of a way on which nobody has to turn sideways."""
 
 
+_SLIM_M = 0.1
+"""Half the width of a small robot, which cleans where nobody walks."""
+
+
 class Walkways:
     """The free floor about one room."""
 
@@ -39,12 +43,12 @@ class Walkways:
         self._eroded: dict[float, shapely.Geometry] = {}
 
     def stay_with(self, box: Box, *, at_ease: bool = True) -> bool:
-        """Whether all one could walk to before, and stand before, stays so with a thing here.
+        """Whether people and small robots reach all that they reached before with a thing here.
 
-        at_ease: also all that one could walk to without turning sideways.
+        at_ease: people without turning sideways, too.
         """
         shape = footprint_polygon(box)
-        radii_m = (WALKER_RADIUS_M, _COMFORT_M) if at_ease else (WALKER_RADIUS_M,)
+        radii_m = (_SLIM_M, WALKER_RADIUS_M, *((_COMFORT_M,) if at_ease else ()))
         return all(self._stays(shape, radius) for radius in radii_m)
 
     def _stays(self, shape: shapely.Polygon, radius_m: float) -> bool:
@@ -58,7 +62,8 @@ class Walkways:
         near = [place for place in self._places if place.intersects(reach)]
         if any(before.intersects(place) and not after.intersects(place) for place in near):
             return False
-        return _parts(after) <= _parts(before)
+        left = _parts(after)
+        return all(sum(part.intersects(one) for one in left) < 2 for part in _parts(before))
 
     def take(self, box: Box) -> None:
         """Nobody walks there any more."""
@@ -71,5 +76,5 @@ class Walkways:
         return self._eroded[radius_m]
 
 
-def _parts(area: shapely.Geometry) -> int:
-    return sum(part.area > _PART_M2 for part in polygons_of(area))
+def _parts(area: shapely.Geometry) -> list[shapely.Polygon]:
+    return [part for part in polygons_of(area) if part.area > _PART_M2]
