@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import groupby, pairwise
@@ -250,39 +250,47 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
     return list(found)
 
 
+def border_sides(graph: SceneGraph) -> list[list[Opening]]:
+    """The open borders of a house, noted or where rooms touch, each with all of its sides."""
+    borders = [*filter(is_open_border, graph.openings), *open_borders(graph.rooms, graph.openings)]
+    return [list(sides) for _, sides in groupby(borders, lambda border: border.id)]
+
+
 def shut_borders(graph: SceneGraph) -> Iterator[Blocked]:
     """Open borders without a way across, each with all that stands in it."""
-    borders = [*filter(is_open_border, graph.openings), *open_borders(graph.rooms, graph.openings)]
+    borders = border_sides(graph)
     if not borders:
         return
     things = (*graph.items, *graph.dressing)
     tree = shapely.STRtree(footprints_of(things).polygons)
-    for border_id, sides in groupby(borders, lambda border: border.id):
+    for sides in borders:
         inside: dict[str, None] = {}
         for side in sides:
-            near = sorted(tree.query(_across(side), predicate="intersects"))
+            near = sorted(tree.query(floor_across(side), predicate="intersects"))
             standing = [things[index] for index in near if is_high_enough(things[index], side)]
-            if _has_way(side, standing):
+            if has_way(side, [item.box for item in standing]):
                 break
             inside.update((item.id, None) for item in standing)
         else:
-            yield from (Blocked(border_id, item_id) for item_id in inside)
+            yield from (Blocked(sides[0].id, item_id) for item_id in inside)
 
 
-def _across(border: Opening) -> shapely.Polygon:
+def floor_across(border: Opening) -> shapely.Polygon:
     """The floor on both sides of an open border that a way across it takes up."""
     length, _, height = border.box.size_m
     return footprint_polygon(replace(border.box, size_m=(length, WAY_M, height)))
 
 
-def _has_way(border: Opening, items: Sequence[Item]) -> bool:
-    strip = _across(border)
+def has_way(border: Opening, boxes: Iterable[Box]) -> bool:
+    """Whether boxes on the floor leave a way across a side of an open border."""
+    strip = floor_across(border)
     length = border.box.size_m[0]
     spans = []
-    for item in items:
-        part = footprint_polygon(item.box).intersection(strip)
-        along = to_own(border.box, shapely.get_coordinates(part))[:, 0] + length / 2
-        spans.append((float(along.min()), float(along.max())))
+    for box in boxes:
+        part = footprint_polygon(box).intersection(strip)
+        if not part.is_empty:
+            along = to_own(border.box, shapely.get_coordinates(part))[:, 0] + length / 2
+            spans.append((float(along.min()), float(along.max())))
     return any(high - low >= min(WAY_M, length) for low, high in gaps(spans, length))
 
 

@@ -32,7 +32,7 @@ from chord_usd.line.dressing.dress_kitchens import dress_kitchen
 from chord_usd.line.dressing.dress_pieces import dress_pieces
 from chord_usd.line.dressing.dress_walls import dress_fittings
 from chord_usd.line.dressing.dress_windows import dress_windows
-from chord_usd.line.dressing.free_ways import Walkways
+from chord_usd.line.dressing.free_ways import Borders, Walkways
 from chord_usd.line.dressing.room_frame import (
     ReliefsOf,
     RoomFrame,
@@ -93,6 +93,7 @@ class _House:
         self._floors = Floors(graph.rooms)
         stairs = [room_polygon(room) for room in graph.rooms if is_cell(room)]
         self._free = free_floor(graph).difference(shapely.union_all(stairs))
+        self._borders = Borders(graph)
         door = entrance(graph)
         self._door_id = door and door.id
         self._reliefs = ReliefsOf()
@@ -144,7 +145,7 @@ class _House:
         take_pieces(taken, pieces, self._reliefs)
         take_fronts(taken, pieces)
         floor = self._floors.polygons[self._floors.index_of[room.id]]
-        walkways = Walkways(self._free, floor, pieces)
+        walkways = Walkways(self._free, floor, pieces, self._borders)
         for item in kept:
             reason = as_underfoot(item.box) if is_underfoot(item) else "dressing"
             taken.add(item.box, reason, item.id)

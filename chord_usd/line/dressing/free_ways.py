@@ -6,10 +6,11 @@ from collections.abc import Iterable
 
 import shapely
 
+from chord_usd.base.metrics.clear_floor import border_sides, floor_across, has_way
 from chord_usd.base.metrics.fronts import standing_places
 from chord_usd.base.metrics.walk import SEAM_M, WALKER_RADIUS_M
 from chord_usd.base.scene.geometry import footprint_polygon, polygons_of
-from chord_usd.base.scene.types import Box, Item
+from chord_usd.base.scene.types import Box, Item, SceneGraph
 
 _AROUND_M = 0.8
 """How far beyond a room one looks."""
@@ -28,13 +29,44 @@ _SLIM_M = 0.1
 """Half the width of a small robot, which cleans where nobody walks."""
 
 
+class Borders:
+    """Where rooms lie open to each other: a way across each border that has one stays."""
+
+    def __init__(self, graph: SceneGraph) -> None:
+        self._taken = [item.box for item in graph.items]
+        self._open = [
+            [(side, floor_across(side)) for side in sides]
+            for sides in border_sides(graph)
+            if any(has_way(side, self._taken) for side in sides)
+        ]
+
+    def stay_with(self, box: Box) -> bool:
+        """Whether ways across all borders stay with a thing here."""
+        shape, taken = footprint_polygon(box), [*self._taken, box]
+        return all(
+            any(has_way(side, taken) for side, _ in sides)
+            for sides in self._open
+            if any(shape.intersects(floor) for _, floor in sides)
+        )
+
+    def take(self, box: Box) -> None:
+        """A thing stands there."""
+        self._taken.append(box)
+
+
 class Walkways:
     """The free floor about one room."""
 
     def __init__(
-        self, free: shapely.Geometry, floor: shapely.Polygon, pieces: Iterable[Item] = ()
+        self,
+        free: shapely.Geometry,
+        floor: shapely.Polygon,
+        pieces: Iterable[Item],
+        borders: Borders,
     ) -> None:
-        """free: the floor of the house that nothing stands on. pieces: of the room."""
+        """free: the floor of the house that nothing stands on. pieces: of the room. borders: of
+        the house."""
+        self._borders = borders
         self._places = [
             shapely.union_all(places) for item in pieces if (places := standing_places(item))
         ]
@@ -49,7 +81,7 @@ class Walkways:
         """
         shape = footprint_polygon(box)
         radii_m = (_SLIM_M, WALKER_RADIUS_M, *((_COMFORT_M,) if at_ease else ()))
-        return all(self._stays(shape, radius) for radius in radii_m)
+        return self._borders.stay_with(box) and all(self._stays(shape, r) for r in radii_m)
 
     def _stays(self, shape: shapely.Polygon, radius_m: float) -> bool:
         before = self._walkable(radius_m)
@@ -67,6 +99,7 @@ class Walkways:
 
     def take(self, box: Box) -> None:
         """Nobody walks there any more."""
+        self._borders.take(box)
         self._free = self._free.difference(footprint_polygon(box))
         self._eroded.clear()
 
