@@ -29,10 +29,10 @@ from pxr import Sdf  # noqa: E402
 from results import write_section  # noqa: E402
 
 from chord_usd.base.errors import ChordError  # noqa: E402
+from chord_usd.base.scene.settings import Settings  # noqa: E402
 from chord_usd.base.scene.styles import style_named  # noqa: E402
 from chord_usd.line.pipeline import dress_rooms, read_scene_file, settle, write_stage  # noqa: E402
 from chord_usd.line.pipeline.edit_house import Reading, edit  # noqa: E402
-from chord_usd.line.pipeline.settings import Settings  # noqa: E402
 from chord_usd.line.stage.edit.refurnish import StagedHouse, read_house  # noqa: E402
 from tests.house_facts import Facts  # noqa: E402
 

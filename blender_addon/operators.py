@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -12,7 +13,8 @@ from .core import commands
 from .core.edits import as_it_was
 from .core.errors import InputError
 from .core.layer import house_of
-from .core.program import WISHES_FROM, WITHOUT_DRESSING
+from .core.options import ROWS
+from .core.program import WISHES_FROM
 from .core.revisions import keep
 from .core.tree import is_piece, room_of
 from .jobs import (
@@ -31,7 +33,7 @@ from .jobs import (
     unsaved_folder,
 )
 from .preferences import preferences
-from .properties import MAX_SEED, chosen_room, fields
+from .properties import MAX_SEED, chosen_options, chosen_room, fields
 from .session import Finish, session
 
 
@@ -49,10 +51,7 @@ class ChordGenerate(JobOperator, bpy.types.Operator):
             source=own.source,
             plan=bpy.path.abspath(plan),
             text=own.text,
-            furnish=_furnish_settings(context, own.seed),
-            scale_m_per_px=own.scale,
-            part=own.part,
-            roof=own.roof,
+            options=_chosen(context),
         )
         name = commands.house_name(settings)
         wanted = commands.house_folder(bpy.data.filepath, name, unsaved_folder())
@@ -99,7 +98,7 @@ class ChordRegenerate(JobOperator, bpy.types.Operator):
         locked = [one for one in seen.changes.locked if is_piece(one) and room_of(one) == name]
         names = [one.split("/")[-1] for one in locked]
         seed = random.randrange(MAX_SEED)
-        settings, wishes = _furnish_settings(context, seed), commands.RoomWishes()
+        settings, wishes = {**_chosen(context), "seed": seed}, commands.RoomWishes()
         if WISHES_FROM in session.program(preferences(context).program).abilities:
             wishes = commands.RoomWishes(own.wanted, own.unwanted)
         arguments = commands.regenerate(seen.house, name, settings, names, wishes)
@@ -130,7 +129,7 @@ class ChordEditByWords(JobOperator, bpy.types.Operator):
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line, and the import that follows it."""
         own, seen = fields(context), save_changes(context)
-        arguments = commands.edit(seen.house, own.sentence, bpy.path.abspath(own.assets))
+        arguments = commands.edit(seen.house, own.sentence, bpy.path.abspath(own.asset_folders))
         keep(seen.house)
         return arguments, partial(show_edited, seen)
 
@@ -209,13 +208,11 @@ class ChordDice(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _furnish_settings(context: bpy.types.Context, seed: int) -> commands.FurnishSettings:
-    own = fields(context)
-    assets = bpy.path.abspath(own.assets)
-    program = session.known_program(preferences(context).program)
-    can_choose = program is not None and WITHOUT_DRESSING in program.abilities
-    dressing = own.dressing or not can_choose
-    return commands.FurnishSettings(seed, own.steps, assets, own.tabletop, dressing)
+def _chosen(context: bpy.types.Context) -> dict[str, Any]:
+    """Values of the option fields that the program knows."""
+    known = session.known_program(preferences(context).program)
+    chosen = chosen_options(context)
+    return {row["name"]: chosen[row["name"]] for row in ROWS if known is None or known.has(row)}
 
 
 def _output_folder(field: str) -> Path:

@@ -7,7 +7,8 @@ from pathlib import Path
 import bpy
 
 from .core import report, swaps
-from .core.program import EDITS_IN_WORDS, ROOFED, WISHES_FROM, WITHOUT_DRESSING
+from .core.options import OF_FILES, ROWS
+from .core.program import EDITS_IN_WORDS, WISHES_FROM
 from .core.state import OFFERED_BY, panel_state, wrapped
 from .core.tree import has_roof, is_dressing, piece_of, storeys
 from .house import LOCKED_KEY, Objects, arranged, chosen_path, own_objects, pieces_of
@@ -251,19 +252,14 @@ def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None
     if own.source != "PLAN":
         hint = EXAMPLE if own.source == "TEXT" else "Which rooms, if you like"
         column.prop(own, "text", text="", placeholder=hint)
-    row = column.row(align=True)
-    row.prop(own, "seed")
-    row.operator("chord.dice", text="", icon="FILE_REFRESH")
-    column.prop(own, "steps")
-    if own.source != "TEXT":
-        column.prop(own, "scale")
-        column.prop(own, "part")
-    column.prop(own, "tabletop")
-    if program and WITHOUT_DRESSING in program.abilities:
-        column.prop(own, "dressing")
-    if program and ROOFED in program.abilities:
-        column.prop(own, "roof")
-    column.prop(own, "assets")
+    for option in ROWS:
+        is_of_files = option["name"] in OF_FILES
+        if (program and not program.has(option)) or (is_of_files and own.source == "TEXT"):
+            continue
+        row = column.row(align=True)
+        row.prop(own, option["name"])
+        if option["name"] == "seed":
+            row.operator("chord.dice", text="", icon="FILE_REFRESH")
 
 
 def _draw_file(column: bpy.types.UILayout, own: bpy.types.PropertyGroup, field: str) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
 import bpy
 
-from .core.commands import MAX_STEPS, PASSES, ROOFS
+from .core.commands import PASSES
+from .core.options import FOLDERS, ROWS, usual
 
 SCENE_KEY = "chord_usd"
 """The scene's property that holds the panel's fields."""
@@ -76,8 +78,27 @@ class ChordFinding(bpy.types.PropertyGroup):
     """USD paths, one a line."""
 
 
+def _property(row: Mapping[str, Any]) -> Any:
+    """A field for a row of the option table."""
+    facts: dict[str, Any] = {"name": row["label"], "description": row["help"]}
+    if row["name"] == FOLDERS:
+        return bpy.props.StringProperty(subtype="DIR_PATH", **facts)
+    if row["kind"] == "number":
+        is_whole = isinstance(row["least"], int)
+        kind = bpy.props.IntProperty if is_whole else bpy.props.FloatProperty
+        more = {} if is_whole else {"precision": 4, "step": 0.01}
+        return kind(
+            default=usual(row), min=min(usual(row), row["least"]), max=row["most"], **more, **facts
+        )
+    if row["kind"] == "choice":
+        items = [(name or "NONE", name or "Usual", row["help"]) for name in row["choices"]]
+        return bpy.props.EnumProperty(items=items, default=usual(row) or "NONE", **facts)
+    kind = bpy.props.BoolProperty if row["kind"] == "check" else bpy.props.StringProperty
+    return kind(default=row["default"], **facts)
+
+
 class ChordScene(bpy.types.PropertyGroup):
-    """The panel's fields."""
+    """The panel's fields; those of the option table follow below."""
 
     source: bpy.props.EnumProperty(  # type: ignore[valid-type]
         name="From",
@@ -99,43 +120,6 @@ class ChordScene(bpy.types.PropertyGroup):
         name="Text",
         description="Rooms and floor area, such as: a two-bedroom flat with an open kitchen, "
         "about 70 m²",
-    )
-    scale: bpy.props.FloatProperty(  # type: ignore[valid-type]
-        name="Metres per pixel",
-        description="Scale of a plan picture; 0: its dimensions and walls tell",
-        min=0.0,
-        max=1.0,
-        precision=4,
-        step=0.01,
-    )
-    part: bpy.props.IntProperty(  # type: ignore[valid-type]
-        name="Plan or storey",
-        description="Which plan of a sheet, or storey of a file, by floor area; 1: the largest",
-        default=1,
-        min=1,
-    )
-    roof: bpy.props.EnumProperty(  # type: ignore[valid-type]
-        name="Roof",
-        description="Choice of the house's variant set `roof`, beside none",
-        items=[(name, name.title(), told) for name, told in ROOFS.items()],
-    )
-    seed: bpy.props.IntProperty(name="Seed", min=0, max=MAX_SEED)  # type: ignore[valid-type]
-    steps: bpy.props.IntProperty(  # type: ignore[valid-type]
-        name="Steps",
-        description="Sampler steps; 0: as many as the model likes",
-        min=0,
-        max=MAX_STEPS,
-    )
-    tabletop: bpy.props.BoolProperty(  # type: ignore[valid-type]
-        name="Lay tables", description="Put things on tables, desks and worktops", default=True
-    )
-    dressing: bpy.props.BoolProperty(  # type: ignore[valid-type]
-        name="Dress rooms",
-        description="Curtains, rugs, lamps, pictures, and things on shelves and worktops",
-        default=True,
-    )
-    assets: bpy.props.StringProperty(  # type: ignore[valid-type]
-        name="Assets", description="Folder with meshes of your own", subtype="DIR_PATH"
     )
     house: bpy.props.StringProperty(name="House", subtype="FILE_PATH")  # type: ignore[valid-type]
     contents: bpy.props.StringProperty()  # type: ignore[valid-type]
@@ -219,6 +203,17 @@ class ChordScene(bpy.types.PropertyGroup):
         description="For the furniture as a Blender asset library; empty: in your home folder",
         subtype="DIR_PATH",
     )
+
+
+ChordScene.__annotations__ |= {row["name"]: _property(row) for row in ROWS}
+
+
+def chosen_options(context: bpy.types.Context) -> dict[str, Any]:
+    """Values of the option table's fields, by name; a folder as its full path."""
+    own = fields(context)
+    values = {row["name"]: getattr(own, row["name"]) for row in ROWS}
+    values = {name: "" if value == "NONE" else value for name, value in values.items()}
+    return values | {FOLDERS: bpy.path.abspath(values[FOLDERS])}
 
 
 def fields(context: bpy.types.Context) -> ChordScene:

@@ -23,20 +23,21 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from chord_usd.base.errors import ChordError, RenderError
 from chord_usd.base.runtime.files import deliver
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.locations import absolute
 from chord_usd.base.runtime.progress import PROGRESS_STYLES, ProgressStyle, Stopwatch, make_reporter
+from chord_usd.base.scene.settings import HouseOptions, described, with_keywords
 
 if TYPE_CHECKING:
     from PIL import Image
 
     from chord_usd.base.runtime.targets import FolderMode
+    from chord_usd.base.scene.settings import Settings
     from chord_usd.base.scene.types import Item, RoomKind
-    from chord_usd.line.pipeline.settings import Settings
     from chord_usd.line.stage.check.check_stage import Report
     from chord_usd.line.stage.export.exchange.built_house import House as BuiltHouse
 
@@ -320,54 +321,28 @@ def generate(
     plan: FilePath | Sequence[FilePath],
     output: FilePath | None = None,
     *,
-    seed: int = 0,
-    style: str = "mixed",
-    sky: str = "",
-    roof: Literal["none", "flat", "gable", "hip"] = "none",
-    articulation: Literal["fixed", "jointed"] = "fixed",
-    furniture: str = "",
-    rooms: str = "",
-    dressing: bool = True,
-    tabletop: bool = True,
-    m_per_px: float | None = None,
-    part: int = 1,
-    steps: int | None = None,
-    texture_px: int = 1024,
-    asset_folders: Sequence[FilePath] = (),
-    device: str = "auto",
     progress: ProgressStyle = "none",
+    **options: Unpack[HouseOptions],
 ) -> House:
     """Furnish a floor plan: what `chord-usd generate` does. Takes about a minute on two cores.
 
-    plan: picture, PDF, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON; several are the storeys of a
-    house, the lowest first. output: the stage, .usda, .usd,
-    .usdc or .usdz; None for a temporary folder that lives as long as the House. seed: 0 to 2**31 -
-    1; same seed, same house. style: modern, scandinavian, classic, industrial, japanese, or mixed,
-    one of them by the seed. sky: morning, noon, overcast, evening, night or an HDRI's file; "" for
-    noon. roof: what the variant set `roof` offers beside none. articulation: jointed where doors
-    and drawers of furniture open. furniture: what rooms shall hold, "Bedroom 1: double bed, desk;
-    Bathroom: no bathtub". rooms: what rooms are, "3: bedroom, 5: bathroom". dressing: curtains,
-    lamps, rugs, pictures. tabletop: objects on tables. m_per_px: scale of a picture, metres per
-    pixel, 1e-4 to 10; None measures it. part: which plan of a sheet, from 1. steps: of the sampler,
-    1 to 1000. texture_px: side of floors' and walls' textures, 256 to 4096. asset_folders: of
-    further meshes. device: auto, cpu or cuda. progress: how it is told on stderr (none, bar, lines,
-    json).
+    Args:
+        plan: picture, PDF, SVG, DXF, IFC, Sweet Home 3D or CHOrD JSON; several are the storeys of
+            a house, the lowest first.
+        output: the stage, .usda, .usd, .usdc or .usdz; None for a temporary folder that lives as
+            long as the House.
+        progress: form of progress on stderr (none, bar, lines, json).
 
-    What a user should know of the plan is a warning. Raises ChordError (PlanError for a file that
-    is no plan, OutputError for a target that cannot be written), and nothing is written.
+    Warnings of the plan are warnings of Python. Raises ChordError (PlanError for a file that is no
+    plan, OutputError for a target that cannot be written), and nothing is written.
     """
+    from chord_usd.base.scene.settings import Settings
     from chord_usd.faces.commands.paths import Named, check_named, output_file
     from chord_usd.line import pipeline
-    from chord_usd.line.lists.wishes import read_furniture
-    from chord_usd.line.plan.corrections import read_rooms
 
-    settings = pipeline.Settings(
-        seed=seed, style=style, sky=sky, roof=roof, articulation=articulation, dressing=dressing,
-        tabletop=tabletop, m_per_px=m_per_px, part=part, steps=steps, texture_px=texture_px,
-        asset_folders=_folders(asset_folders), device=device,
-        furniture=read_furniture(furniture) if furniture else (),
-        rooms=read_rooms(rooms) if rooms else (),
-    )  # fmt: skip
+    given: dict[str, Any] = {**options}
+    given["asset_folders"] = _folders(given.get("asset_folders", ()))
+    settings = Settings(**given)
     pipeline.require(settings)
     plans = [Path(plan)] if isinstance(plan, str | PathLike) else [Path(one) for one in plan]
     for one in plans:
@@ -381,6 +356,10 @@ def generate(
         _warn(_generated(plans, target, settings, _watch(progress)))
     house._written = _state(house.path)
     return house
+
+
+generate.__signature__ = with_keywords(generate)  # type: ignore[attr-defined]
+generate.__doc__ = f"{generate.__doc__}\n{described(HouseOptions.__annotations__)}"
 
 
 def _generated(

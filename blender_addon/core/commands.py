@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from .edits import Size
 from .errors import InputError
 from .layer import edits_file, opened_file
-from .program import ROOFED, WITHOUT_DRESSING
+from .options import FOLDERS, OF_FILES, words_of
 from .swaps import size_text
 
 Source = Literal["PLAN", "TEXT", "OUTLINE"]
@@ -21,17 +21,6 @@ PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", "
 
 PLAN_SUFFIXES = (*PICTURE_SUFFIXES, ".json", ".pdf", ".svg", ".dxf", ".ifc", ".sh3d")
 """What a plan may be: a picture, CHOrD JSON, a page or a drawing."""
-
-MAX_STEPS = 1000
-
-NO_ROOF = "none"
-ROOFS = {
-    NO_ROOF: "No roof: one looks in from above",
-    "flat": "A slab over the walls",
-    "gable": "Two slopes",
-    "hip": "Slopes on all sides",
-}
-"""As chord-usd has them, and what each is."""
 
 NAME_WORDS, NAME_LETTERS = 6, 40
 """A house is named after so much of its text."""
@@ -59,21 +48,6 @@ _REPORT = ("--json", "--progress", "json")
 
 
 @dataclass(frozen=True)
-class FurnishSettings:
-    """The panel's fields for furniture, of a house or of one room."""
-
-    seed: int
-    steps: int = 0
-    """0 for the model's own number."""
-    assets: str = ""
-    """Folder of further meshes, or empty."""
-    tabletop: bool = True
-    """Whether tables, desks and worktops are laid."""
-    dressing: bool = True
-    """Whether rooms are dressed; programs that do not dress have no option against it."""
-
-
-@dataclass(frozen=True)
 class RoomWishes:
     """The panel's fields for what a room shall hold and what not, in words."""
 
@@ -90,13 +64,8 @@ class GenerateSettings:
     """Path of the plan, or of the open plan that is to be divided into rooms."""
     text: str
     """What is wanted, in words; an open plan does without."""
-    furnish: FurnishSettings
-    scale_m_per_px: float = 0.0
-    """Of a plan picture; 0 where its walls tell."""
-    part: int = 1
-    """Which plan of a sheet, or storey of a file, by floor area."""
-    roof: str = NO_ROOF
-    """One of ROOFS."""
+    options: Mapping[str, Any] = field(default_factory=dict)
+    """Values of rows of the option table, by name."""
 
 
 @dataclass(frozen=True)
@@ -112,14 +81,15 @@ class RenderSettings:
 
 def generate(settings: GenerateSettings, house: Path) -> list[str]:
     """Arguments that write a house. Raises InputError naming the field to fill in."""
+    is_text = settings.source == "TEXT"
     return [
         "generate",
         *_source(settings),
         "-o",
         str(house),
-        *_reading(settings),
-        *([ROOFED, settings.roof] if settings.roof != NO_ROOF else []),
-        *_furnish(settings.furnish),
+        *words_of(
+            _without(settings.options, OF_FILES) if is_text else settings.options, "generate"
+        ),
         *_REPORT,
     ]
 
@@ -127,7 +97,7 @@ def generate(settings: GenerateSettings, house: Path) -> list[str]:
 def regenerate(
     house: Path,
     room: str,
-    settings: FurnishSettings,
+    options: Mapping[str, Any],
     keep: Sequence[str] = (),
     wishes: RoomWishes | None = None,
 ) -> list[str]:
@@ -152,7 +122,8 @@ def regenerate(
         *kept,
         *seen,
         *said,
-        *_furnish(settings),
+        f"--seed={options.get('seed', 0)}",
+        *words_of(_without(options, ("seed",)), "regenerate"),
         *_REPORT,
     ]
 
@@ -168,7 +139,16 @@ def edit(house: Path, sentence: str, assets: str = "", *, only_read: bool = Fals
     seen = ["--edits", str(edits)] if edits.is_file() else []
     dry = ["--dry-run"] if only_read else []
     # Behind two dashes: a sentence may begin with one.
-    return ["edit", str(house), *seen, *dry, *_assets(assets), *_REPORT, "--", sentence.strip()]
+    return [
+        "edit",
+        str(house),
+        *seen,
+        *dry,
+        *words_of({FOLDERS: assets}, "generate"),
+        *_REPORT,
+        "--",
+        sentence.strip(),
+    ]
 
 
 def describe(house: Path) -> list[str]:
@@ -193,7 +173,7 @@ def nearest(category: str, size_m: Size, pictures: Path, assets: str = "") -> li
         str(MODELS_SHOWN),
         "--pictures",
         str(pictures),
-        *_assets(assets),
+        *words_of({FOLDERS: assets}, "generate"),
         *_REPORT,
     ]
 
@@ -288,36 +268,8 @@ def _source(settings: GenerateSettings) -> list[str]:
     return ["--outline", str(path), *text] if settings.source == "OUTLINE" else [str(path)]
 
 
-def _reading(settings: GenerateSettings) -> list[str]:
-    """How a file is read; a text has nothing to read."""
-    if settings.source == "TEXT":
-        return []
-    scale, part = settings.scale_m_per_px, settings.part
-    return [
-        *(["--scale", f"{scale:g}"] if scale > 0 else []),
-        *(["--part", str(part)] if part > 1 else []),
-    ]
-
-
-def _furnish(settings: FurnishSettings) -> list[str]:
-    steps = min(settings.steps, MAX_STEPS)
-    return [
-        "--seed",
-        str(settings.seed),
-        *(["--steps", str(steps)] if steps > 0 else []),
-        *([] if settings.tabletop else ["--no-tabletop"]),
-        *([] if settings.dressing else [WITHOUT_DRESSING]),
-        *_assets(settings.assets),
-    ]
-
-
-def _assets(folder: str) -> list[str]:
-    if not folder.strip():
-        return []
-    path = Path(folder).expanduser()
-    if not path.is_dir():
-        raise InputError(f"The assets folder {path} is not there.")
-    return ["--assets", str(path)]
+def _without(options: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    return {name: value for name, value in options.items() if name not in names}
 
 
 def _seen(house: Path) -> str:

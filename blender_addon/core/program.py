@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 OLDEST = (0, 1, 0)
 """The first version whose files and reports this panel understands."""
@@ -32,12 +33,6 @@ OPTIONAL = {
 
 WISHES_FROM = "--furniture"
 """Versions with this option can be told what a room shall hold, and what not."""
-
-WITHOUT_DRESSING = "--no-dressing"
-"""Versions with this option dress rooms otherwise."""
-
-ROOFED = "--roof"
-"""Versions with this option give houses roofs."""
 
 EDITS_IN_WORDS = "--dry-run"
 """Versions with this option are told changes in words."""
@@ -75,6 +70,11 @@ class Program:
     def label(self) -> str:
         """As the preferences show it."""
         return f"{self.name} ({self.command[0]})"
+
+    def has(self, row: Mapping[str, Any]) -> bool:
+        """Whether this version has a row of the option table."""
+        word = f"--{row['word']}"
+        return word not in OPTIONAL or word in self.abilities
 
     def lacking(self, options: Iterable[str]) -> str:
         """What this version is too old to do of some of OPTIONAL, as a sentence; else empty."""

@@ -77,9 +77,9 @@ assert own.house, "else this were the folder that we are in"
 made = Path(own.house).parent
 made.rename(made.with_name("taken away"))
 told["house_gone"] = s.press("check_house")
-own.assets = str(s.folder / "no meshes")
+own.asset_folders = str(s.folder / "no meshes")
 told["assets_gone"] = s.press("generate")
-own.assets = ""
+own.asset_folders = ""
 
 # A file is opened while a job runs.
 before = s.houses()

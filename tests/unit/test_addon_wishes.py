@@ -12,7 +12,7 @@ from blender_addon.core.job import Job, Progress
 from blender_addon.core.program import Program, ProgramError
 from blender_addon.core.state import OFFERED_BY, panel_state
 
-SETTINGS = commands.GenerateSettings("PLAN", "", "", commands.FurnishSettings(seed=3))
+SETTINGS = commands.GenerateSettings("PLAN", "", "", {"seed": 3})
 
 
 def test_a_program_too_old_for_a_text_says_so() -> None:
@@ -46,11 +46,15 @@ def test_a_text_reaches_the_program_as_it_was_written(tmp_path: Path, text: str)
 def test_only_files_are_told_how_to_be_read(tmp_path: Path) -> None:
     plan = tmp_path / "sheet.pdf"
     plan.touch()
-    settings = replace(SETTINGS, plan=str(plan), text="a flat", scale_m_per_px=0.0125, part=2)
-    words = commands.generate(settings, tmp_path / "house.usda")
-    assert words[words.index("--scale") + 1 :][:3] == ["0.0125", "--part", "2"]
-    for other in (replace(settings, source="TEXT"), replace(settings, scale_m_per_px=0.0, part=1)):
-        assert not {"--scale", "--part"} & {*commands.generate(other, tmp_path / "house.usda")}
+    of_file = {"m_per_px": 0.0125, "part": 2}
+    settings = replace(SETTINGS, plan=str(plan), text="a flat", options=of_file)
+    words = {"--scale=0.0125", "--part=2"}
+    assert words < set(commands.generate(settings, tmp_path / "house.usda"))
+    usual = {"m_per_px": 0, "part": 1}
+    for other in (replace(settings, source="TEXT"), replace(settings, options=usual)):
+        told = " ".join(commands.generate(other, tmp_path / "house.usda"))
+        assert "--scale" not in told
+        assert "--part" not in told
 
 
 def test_what_is_offered_is_what_the_program_has() -> None:

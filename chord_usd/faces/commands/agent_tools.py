@@ -6,11 +6,12 @@ Each tool writes one command line. What it does, what it refuses and what it ans
 from __future__ import annotations
 
 import base64
+import inspect
 import io
 import json
 import tempfile
 from collections import defaultdict
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Iterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Annotated, Any
@@ -25,8 +26,8 @@ from chord_usd import __version__
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime import console
 from chord_usd.base.runtime.verb_calls import Answer, Told, run_verb
-from chord_usd.base.scene.skies import SKIES, TIMES
-from chord_usd.base.scene.styles import MIXED, STYLES
+from chord_usd.base.scene.settings import OPTIONS, Option, offered_by, words_of
+from chord_usd.base.scene.skies import TIMES
 from chord_usd.faces.commands.agent_files import AgentFiles
 from chord_usd.faces.commands.export import PACKAGES
 from chord_usd.faces.commands.render import QUALITIES
@@ -49,11 +50,47 @@ Content = list[TextContent | ImageContent]
 
 House = Annotated[str, Field(description="a house, such as flat/house.usda")]
 NewFile = Annotated[str, Field(description="a file to write; a name that is not taken")]
-Style = Annotated[str, Field(json_schema_extra={"enum": ["", *STYLES, MIXED]})]
-Sky = Annotated[str, Field(json_schema_extra={"enum": ["", *(sky.name for sky in SKIES)]})]
 Package = Annotated[str, Field(json_schema_extra={"enum": list(PACKAGES)})]
 Quality = Annotated[str, Field(json_schema_extra={"enum": list(QUALITIES)})]
 Lighting = Annotated[str, Field(json_schema_extra={"enum": ["", *TIMES]})]
+
+
+def _with_rows(
+    *names: str, unset: Collection[str] = ()
+) -> Callable[[Callable[..., Awaitable[Content]]], Callable[..., Awaitable[Content]]]:
+    """Give a tool rows of the option table as parameters, in place of its **options.
+
+    unset: rows without a default: the house decides.
+    """
+
+    def decorate(tool: Callable[..., Awaitable[Content]]) -> Callable[..., Awaitable[Content]]:
+        known = inspect.signature(tool, eval_str=True)
+        named = [p for p in known.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        rows = [_parameter(OPTIONS[name], name in unset) for name in names]
+        tool.__signature__ = known.replace(parameters=[*named, *rows])  # type: ignore[attr-defined]
+        tool.__annotations__ |= {row.name: row.annotation for row in rows}
+        return tool
+
+    return decorate
+
+
+def _parameter(option: Option, is_unset: bool) -> inspect.Parameter:
+    """A row as a parameter with a schema."""
+    facts: dict[str, Any] = {"description": option.help}
+    if option.limits:
+        facts |= {"ge": option.limits[0], "le": option.limits[1]}
+    if enum := option.choices or option.offered:
+        facts["json_schema_extra"] = {"enum": list(dict.fromkeys(["", *enum]))}
+    kind: Any = type(option.default)
+    is_number = bool(option.limits)
+    default = option.default
+    if is_unset or default is None:
+        default = None if is_number else ""
+        kind = int | None if is_number else str
+    return inspect.Parameter(
+        option.name, inspect.Parameter.KEYWORD_ONLY, default=default,
+        annotation=Annotated[kind, Field(**facts)],
+    )  # fmt: skip
 
 
 class HouseTools:
@@ -86,28 +123,22 @@ class HouseTools:
             answer = await self._call(words, [source, target], ctx)
             return _answered(answer.data, [overlay])
 
+    @_with_rows(*(option.name for option in offered_by("agent")))
     async def furnish(
         self,
         house: Annotated[str, Field(description="the new house, such as flat/house.usda")],
         ctx: Context,
         plan: Annotated[str, Field(description="a drawing, or a plan of read_plan")] = "",
         text: Annotated[str, Field(description="instead of a plan: what to build, in words")] = "",
-        furniture: Annotated[str, Field(description='"Bedroom 1: double bed, desk; Hall: "')] = "",
-        rooms: Annotated[str, Field(description='corrections: "3: bedroom, 5: bathroom"')] = "",
-        style: Style = MIXED,
-        sky: Sky = "",
-        seed: int = 0,
-        steps: int | None = None,
+        **options: Any,
     ) -> Content:
         """Furnish a floor plan as a new house, in about a minute; shows it from above."""
         with _told_as_tools_do(), _picture() as preview:
             target = self._files.new(house)
             source = [self._files.there(plan)] if plan else []
             words = ["generate", *map(self._word, source), *_option("output", self._word(target))]
-            words += _option("text", text) + _option("furniture", furniture)
-            words += _option("rooms", rooms) + _option("style", style)
-            words += _option("sky", self._sky(sky)) + _option("seed", seed)
-            words += _option("steps", steps) + _option("preview", preview)
+            options["sky"] = self._sky(options.get("sky") or "")
+            words += _option("text", text) + words_of(options) + _option("preview", preview)
             answer = await self._call(words, [*source, target], ctx)
             return _answered(answer.data, [preview])
 
@@ -119,6 +150,7 @@ class HouseTools:
             answer = await self._call(words, [path], ctx)
             return _answered(answer.data, [preview])
 
+    @_with_rows("style", "seed", "steps", unset=("style", "seed"))
     async def refurnish_room(
         self,
         house: House,
@@ -127,10 +159,8 @@ class HouseTools:
         wanted: Annotated[str, Field(description='what it shall hold: "desk, two chairs"')] = "",
         unwanted: Annotated[str, Field(description="what it shall not: sofa, bed")] = "",
         keep: Annotated[list[str], Field(description="pieces that stay, such as Bed_0")] = [],  # noqa: B006
-        style: Style = "",
-        seed: int | None = None,
-        steps: int | None = None,
         output: Annotated[str, Field(description="a new house; else this one is changed")] = "",
+        **options: Any,
     ) -> Content:
         """Furnish one room anew and leave the rest of the house as it is; undo takes it back."""
         with _told_as_tools_do():
@@ -138,9 +168,9 @@ class HouseTools:
             target = self._files.new(output) if output else path
             words = ["regenerate", self._word(path), *_option("output", self._word(target))]
             words += _option("room", room) + _option("with", wanted)
-            words += _option("without", unwanted) + _option("style", style)
+            words += _option("without", unwanted)
             words += [word for name in keep for word in _option("keep", name)]
-            words += _option("seed", seed) + _option("steps", steps)
+            words += words_of(options, unset=("style", "seed"))
             answer = await self._call(words, [path, target], ctx, edits=path == target)
             return _answered(answer.data)
 

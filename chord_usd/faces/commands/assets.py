@@ -15,7 +15,6 @@ from chord_usd.faces.commands.common import (
     Outcome,
     UsageError,
     Verbs,
-    add_assets,
     add_group,
     add_output,
     add_output_folder,
@@ -23,9 +22,9 @@ from chord_usd.faces.commands.common import (
     folder_mode,
     size_m,
     stopwatch,
-    style_name,
     whole_number,
 )
+from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import output_file, output_place
 
 if TYPE_CHECKING:
@@ -44,16 +43,14 @@ def add(verbs: Verbs) -> None:
     group = add_group(verbs, "assets", "the meshes that layouts are furnished with")
     listing = add_verb(group, "list", run_list, "list the meshes of the database")
     listing.add_argument("--category", metavar="NAME", help="only this category")
-    listing.add_argument(
-        "--style", type=style_name, metavar="NAME", help="only forms that suit this style"
-    )
-    add_assets(listing)
+    add_options(listing, unset=("style",), style="only forms that suit this style")
+    add_options(listing, "asset_folders")
     _add_sheet(listing, "also draw a picture of each")
     _add_nearest(group)
     _add_export(group)
     show = add_verb(group, "show", run_show, "show one mesh: size, licence, files")
     show.add_argument("id", metavar="ID", help="as chord-usd assets list prints it")
-    add_assets(show)
+    add_options(show, "asset_folders")
     _add_sheet(show, "also draw it in all of its colours")
     adding = add_verb(group, "add", run_add, "convert a library of models for --assets")
     adding.add_argument(
@@ -91,7 +88,7 @@ def _add_nearest(group: Verbs) -> None:
     parser.add_argument(
         "--pictures", type=output_place, metavar="DIR", help="also draw a picture of each, ID.png"
     )
-    add_assets(parser)
+    add_options(parser, "asset_folders")
 
 
 def _add_export(group: Verbs) -> None:
@@ -102,7 +99,7 @@ def _add_export(group: Verbs) -> None:
         help="simready: a folder each after NVIDIA's SimReady, profile Robotics-Prop 4.0.0",
     )  # fmt: skip
     add_output_folder(parser, "folder for the packages")
-    add_assets(parser)
+    add_options(parser, "asset_folders")
 
 
 def _add_sheet(parser: argparse.ArgumentParser, summary: str) -> None:
@@ -116,7 +113,7 @@ def run_list(options: argparse.Namespace) -> Outcome:
 
     if options.category:
         palette.category(options.category)
-    database = load_database(options.assets)
+    database = load_database(options.asset_folders)
     assets = [
         a
         for a in database.assets
@@ -140,7 +137,7 @@ def run_nearest(options: argparse.Namespace) -> Outcome:
 
     watch = stopwatch(options)
     with watch.step("assets"):
-        database = load_database(options.assets)
+        database = load_database(options.asset_folders)
         ranked = database.ranked(options.category, options.size, options.count)
     pictures = _draw_pictures(ranked, options.pictures, watch) if options.pictures else {}
     told, lines = [], []
@@ -185,7 +182,7 @@ def run_show(options: argparse.Namespace) -> Outcome:
     """Runs assets show."""
     from chord_usd.library.database import load_database
 
-    database = load_database(options.assets)
+    database = load_database(options.asset_folders)
     _known({asset.id: asset for asset in database.assets}, options.id)
     asset = database.named(options.id)
     if options.sheet:
@@ -217,7 +214,7 @@ def run_export(options: argparse.Namespace) -> Outcome:
     from chord_usd.library.database import load_database
     from chord_usd.line.stage.export.exchange.simready import THUMBNAIL_PX, write_simready
 
-    database = load_database(options.assets)
+    database = load_database(options.asset_folders)
     known = {asset.id: asset for asset in database.assets}
     chosen = [_known(known, name).id for name in dict.fromkeys(options.ids or known)]
     watch, today = stopwatch(options), datetime.now(UTC).date()

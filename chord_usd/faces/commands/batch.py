@@ -16,25 +16,13 @@ from chord_usd.faces.commands.common import (
     Parser,
     UsageError,
     Verbs,
-    add_arrange,
-    add_articulation,
-    add_assets,
-    add_device,
-    add_dressing,
-    add_lists,
     add_output,
-    add_redraws,
-    add_roof,
-    add_seed,
-    add_steps,
-    add_style,
-    add_texture_size,
     add_verb,
     positive,
-    scale,
     stopwatch,
     whole_number,
 )
+from chord_usd.faces.commands.house_options import add_options, settings_of
 from chord_usd.faces.commands.paths import output_place
 from chord_usd.faces.commands.render import add_look, look_of
 
@@ -72,7 +60,7 @@ def add(verbs: Verbs) -> None:
 
 def _add_plans(parser: Parser) -> None:
     group = parser.add_argument_group("plans")
-    add_seed(group)
+    add_options(group, "seed")
     group.add_argument(
         "--seeds", type=whole_number(1, 1_000_000), default=1, metavar="N",
         help="houses for each plan, from --seed on (1)",
@@ -81,25 +69,16 @@ def _add_plans(parser: Parser) -> None:
         "--synth", type=whole_number(1, 1_000_000), default=0, metavar="N",
         help="also the procedural plans 0 to N-1",
     )  # fmt: skip
-    group.add_argument(
-        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of all plan pictures"
-    )
+    add_options(group, "m_per_px")
 
 
 def add_houses(parser: Parser) -> None:
-    """The options of houses whatever their plans, for settings_of."""
+    """The options of houses whatever their plans, for house_settings."""
     group = parser.add_argument_group("houses")
-    add_style(group)
-    add_texture_size(group)
-    add_articulation(group)
-    add_roof(group)
-    add_steps(group)
-    add_lists(group)
-    add_arrange(group)
-    add_redraws(group)
-    group.add_argument("--no-tabletop", action="store_true", help="leave tables bare")
-    add_dressing(group)
-    add_assets(group)
+    add_options(
+        group, "style", "texture_px", "articulation", "roof", "steps", "lists", "arrange",
+        "redraws", "tabletop", "dressing", "asset_folders",
+    )  # fmt: skip
 
 
 def add_pictures(parser: Parser) -> None:
@@ -151,7 +130,7 @@ def add_workers(parser: Parser) -> None:
         "--gpus", type=positive, default=0.0, metavar="SHARE",
         help="GPUs of a Ray worker, such as 0.25 for four workers on one (0)",
     )  # fmt: skip
-    add_device(group)
+    add_options(group, "device")
 
 
 def run(options: argparse.Namespace) -> Outcome:
@@ -160,7 +139,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
     if not options.plans and not options.synth:
         raise UsageError("no plans", expected="PLAN, or --synth N", try_="chord-usd batch --help")
-    settings = replace(settings_of(options), m_per_px=options.scale)
+    settings = house_settings(options)
     seeds = range(options.seed, options.seed + options.seeds)
     units = list_units(options.plans, options.synth, seeds, settings)
     watch = stopwatch(options)
@@ -197,24 +176,10 @@ def make_houses(
         raise type(reason)("finished houses were kept; run this again to make the others") from None
 
 
-def settings_of(options: argparse.Namespace) -> Settings:
-    """Of the options of houses."""
-    from chord_usd.line.pipeline import Settings
-
-    return Settings(
-        steps=options.steps,
-        device=options.device,
-        asset_folders=tuple(absolute(folder) for folder in options.assets),
-        style=options.style,
-        texture_px=options.texture_size,
-        articulation=options.articulation,
-        roof=options.roof,
-        tabletop=not options.no_tabletop,
-        dressing=not options.no_dressing,
-        lists=not options.no_list,
-        arrange=not options.no_arrange,
-        redraws=options.redraws,
-    )
+def house_settings(options: argparse.Namespace) -> Settings:
+    """Settings of all houses: seeds are those of units, and folders hold from any worker."""
+    folders = tuple(absolute(folder) for folder in options.asset_folders)
+    return replace(settings_of(options), seed=0, asset_folders=folders)
 
 
 def _render_options(options: argparse.Namespace) -> RenderOptions | None:

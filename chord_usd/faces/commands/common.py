@@ -12,15 +12,10 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES, refuse_odd_file
 from chord_usd.base.runtime.progress import PROGRESS_STYLES, Stopwatch, make_reporter
-from chord_usd.base.scene.articulation import FIXED, JOINTED
-from chord_usd.base.scene.limits import M_PER_PX, PARTS, REDRAWS, SEEDS, STEPS, TEXTURE_PX
-from chord_usd.base.scene.roof_forms import NO_ROOF, ROOF_FORMS
-from chord_usd.base.scene.styles import MIXED, STYLES, style_named
 from chord_usd.faces.commands.paths import (
     UsageError,
     output_file,
     output_folder,
-    sky,
     with_suffixes,
 )
 
@@ -41,9 +36,6 @@ class Outcome:
     warnings: Sequence[str] = ()
     """What a user should know of the input; told on stderr."""
 
-
-SAMPLERS = ("ddim", "dpm", "ddpm")
-"""As layout.schedule has them, which may not be imported for a help page."""
 
 Run = Callable[[argparse.Namespace], Outcome]
 Verbs = Any
@@ -127,143 +119,11 @@ def folder_mode(options: argparse.Namespace) -> FolderMode:
     return "replace" if options.overwrite else "new"
 
 
-def add_seed(parser: Options) -> None:
-    """The option --seed."""
-    parser.add_argument(
-        "--seed", type=seed, default=0, metavar="N", help="same seed, same house (0)"
-    )
-
-
-def add_steps(parser: Options) -> None:
-    """The option --steps."""
-    parser.add_argument(
-        "--steps", type=whole_number(*STEPS), metavar="N",
-        help="sampler steps (the checkpoint's own)",
-    )  # fmt: skip
-
-
-def add_lists(parser: Options) -> None:
-    """The option --no-list."""
-    parser.add_argument(
-        "--no-list", action="store_true",
-        help="let the diffusion model alone decide what a room holds, as in the paper",
-    )  # fmt: skip
-
-
-def add_arrange(parser: Options) -> None:
-    """The option --no-arrange."""
-    parser.add_argument(
-        "--no-arrange", action="store_true",
-        help="leave every piece where the models put it, also in others and before doors",
-    )  # fmt: skip
-
-
-def add_dressing(parser: Options) -> None:
-    """The option --no-dressing."""
-    parser.add_argument(
-        "--no-dressing", action="store_true",
-        help="leave walls, windows, ceilings, floors and shelves bare, as in the paper",
-    )  # fmt: skip
-
-
-def add_redraws(parser: Options, count: int = 2) -> None:
-    """The option --redraws."""
-    parser.add_argument(
-        "--redraws", type=whole_number(*REDRAWS), default=count, metavar="N",
-        help=f"draw rooms that came out bare or blocked again, so often ({count})",
-    )  # fmt: skip
-
-
-def add_sky(parser: Options) -> None:
-    """The option --sky."""
-    parser.add_argument(
-        "--sky", type=sky, default="", metavar="NAME",
-        help="morning, noon, overcast, evening or night, or an HDRI of yours, .hdr or .exr (noon)",
-    )  # fmt: skip
-
-
-def add_roof(parser: Options) -> None:
-    """The option --roof."""
-    parser.add_argument(
-        "--roof", choices=ROOF_FORMS, default=NO_ROOF,
-        help="a roof that the house can wear: choice of its variant set `roof`, which is left at "
-        "none (none)",
-    )  # fmt: skip
-
-
-def add_device(parser: Options) -> None:
-    """The option --device."""
-    parser.add_argument(
-        "--device", choices=("auto", "cpu", "cuda"), default="auto", help="where the networks run"
-    )
-
-
-def add_style(parser: Options, without: str = "") -> None:
-    """The option --style. without: what holds where it is not given."""
-    parser.add_argument(
-        "--style", type=style_name, default=None if without else MIXED, metavar="NAME",
-        help=f"{', '.join(STYLES)} or {MIXED} ({without or MIXED}: "
-        f"{'else ' if without else ''}one of them by the seed)",
-    )  # fmt: skip
-
-
-def add_articulation(parser: Options) -> None:
-    """The option --articulation."""
-    parser.add_argument(
-        "--articulation", choices=(FIXED, JOINTED), default=FIXED,
-        help="jointed: doors, drawers and lids of furniture open (fixed)",
-    )  # fmt: skip
-
-
-def add_texture_size(parser: Options) -> None:
-    """The option --texture-size."""
-    parser.add_argument(
-        "--texture-size", type=whole_number(*TEXTURE_PX), default=1024, metavar="PX",
-        help="side of the textures of floors and walls (1024)",
-    )  # fmt: skip
-
-
-def style_name(text: str) -> str:
-    """An option type: the name of a style. Raises ChordError that says which there are."""
-    if text != MIXED:
-        style_named(text, 0)
-    return text
-
-
 def add_view(parser: Options) -> None:
     """The option --view."""
     parser.add_argument(
         "--view", type=output_file, metavar="GLB",
         help="also write the house as a .glb with small pictures, for viewers",
-    )  # fmt: skip
-
-
-def add_assets(parser: Options) -> None:
-    """The option --assets."""
-    parser.add_argument(
-        "--assets",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="DIR",
-        help="a folder of further meshes; may be given several times",
-    )
-
-
-def add_part(parser: Parser) -> None:
-    """The option --part."""
-    parser.add_argument(
-        "--part", type=whole_number(*PARTS), default=1, metavar="N",
-        help="which plan of a sheet, by floor area, or storey, by rooms with doors (1, the most)",
-    )  # fmt: skip
-
-
-def add_rooms(parser: Parser) -> None:
-    """The option --rooms."""
-    parser.add_argument(
-        "--rooms", metavar="KINDS",
-        help='what rooms are, by their numbers on the overlay or ids: "3: bedroom, 5: bathroom"; '
-        'of several storeys, "1/3: bedroom"',
     )  # fmt: skip
 
 
@@ -295,13 +155,9 @@ def whole_number(least: int, most: int) -> Callable[[str], int]:
     return parse
 
 
-seed = whole_number(*SEEDS)
-"""An option type."""
-
-
-def scale(text: str) -> float:
-    """An option type: metres per pixel of a picture, or per unit of a vector file."""
-    return _within(text, *M_PER_PX, " metres per pixel")
+def real_number(least: float, most: float, unit: str = "") -> Callable[[str], float]:
+    """An option type: a number from least to most, both included."""
+    return lambda text: _within(text, least, most, unit)
 
 
 def _shown(text: str) -> str:

@@ -22,13 +22,13 @@ from chord_usd.faces.commands.common import (
     add_group,
     add_output,
     add_output_folder,
-    add_seed,
     add_verb,
     existing_file,
     folder_mode,
     stopwatch,
     whole_number,
 )
+from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import output_file
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def _add_synth(group: Verbs) -> None:
         "--rasters", action="store_true", help="also draw plan and layout rasters beside them"
     )
     _add_statistics(synth)
-    add_seed(synth)
+    add_options(synth, "seed")
 
 
 def _add_statistics(parser: argparse.ArgumentParser) -> None:
@@ -124,7 +124,7 @@ def _add_import(group: Verbs) -> None:
         help="move pieces out of each other, of walls and off openings, or else leave them out",
     )  # fmt: skip
     _add_statistics(reader)
-    add_seed(reader)
+    add_options(reader, "seed")
 
 
 def run_synth(options: argparse.Namespace) -> Outcome:

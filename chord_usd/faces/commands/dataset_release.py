@@ -11,19 +11,19 @@ from chord_usd.faces.commands.batch import (
     add_houses,
     add_pictures,
     add_workers,
+    house_settings,
     make_houses,
     outcome_of,
-    settings_of,
 )
 from chord_usd.faces.commands.common import (
     Outcome,
     Verbs,
     add_output,
-    add_seed,
     add_verb,
     stopwatch,
     whole_number,
 )
+from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import output_place
 
 
@@ -39,7 +39,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument(
         "--count", type=whole_number(1, 1_000_000), default=1000, metavar="N", help="(1000)"
     )
-    add_seed(parser)
+    add_options(parser, "seed")
     add_houses(parser)
     add_pictures(parser)
     add_exports(parser)
@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.faces.batch.work_units import numbered_units
 
     require_own(options.output)
-    settings = settings_of(options)
+    settings = house_settings(options)
     units = numbered_units(range(options.seed, options.seed + options.count), settings)
     watch = stopwatch(options)
     done = make_houses(units, settings, options, watch, named_only=True)

@@ -8,14 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
 from chord_usd.faces.commands.certified import holds, reported
-from chord_usd.faces.commands.common import (
-    Outcome,
-    Verbs,
-    add_assets,
-    add_verb,
-    existing_file,
-    stopwatch,
-)
+from chord_usd.faces.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
+from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import in_place_of, output_file, with_suffixes
 
 if TYPE_CHECKING:
@@ -53,20 +47,20 @@ def add(verbs: Verbs) -> None:
     )
     in_place_of(target, "STAGE")
     with_suffixes(target, STAGE_SUFFIXES)
-    add_assets(parser)
+    add_options(parser, "asset_folders")
 
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
+    from chord_usd.base.scene.settings import Settings
     from chord_usd.line.pipeline.edit_house import edit
-    from chord_usd.line.pipeline.settings import Settings
     from chord_usd.line.stage.check.check_stage import certificate
 
     source = existing_file(options.stage)
     edits = existing_file(options.edits) if options.edits else None
     target = options.output or source
     watch = stopwatch(options)
-    settings = Settings(style="", asset_folders=tuple(options.assets))
+    settings = Settings(style="", asset_folders=tuple(options.asset_folders))
     reading, done, report = edit(
         source, options.sentence, target, settings, watch, edits, options.storey,
         force=options.force, dry_run=options.dry_run,

@@ -12,13 +12,12 @@ from chord_usd.base.runtime.progress import Stopwatch
 from chord_usd.faces.commands.common import (
     Outcome,
     Verbs,
-    add_device,
-    add_steps,
     add_verb,
     existing_file,
     stopwatch,
     whole_number,
 )
+from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import output_file
 
 if TYPE_CHECKING:
@@ -62,7 +61,7 @@ def add(group: Verbs) -> None:
         help="houses as each of six other painters would leave them, read with the detector, "
         "without it, and by it alone (0)",
     )
-    add_steps(parser)
+    add_options(parser, "steps")
     parser.add_argument(
         "--items", type=Path, metavar="DIR", help="instead of the shipped detector_items"
     )
@@ -78,7 +77,7 @@ def add(group: Verbs) -> None:
         metavar="PICTURE",
         help="also draw what the networks propose, to look at (.png or .jpg)",
     )
-    add_device(parser)
+    add_options(parser, "device")
 
 
 def run(options: argparse.Namespace) -> Outcome:

@@ -11,7 +11,6 @@ from chord_usd.faces.commands.common import (
     Outcome,
     Parser,
     Verbs,
-    add_steps,
     add_verb,
     stopwatch,
     whole_number,
@@ -23,6 +22,7 @@ from chord_usd.faces.commands.evaluate_options import (
     load_layout_model,
     told,
 )
+from chord_usd.faces.commands.house_options import add_options
 
 if TYPE_CHECKING:
     from chord_usd.base.metrics.scores import Score
@@ -54,7 +54,7 @@ def _add_options(parser: Parser, what: str, checkpoint: str) -> None:
     )
     add_records(parser)
     add_checkpoint(parser, checkpoint)
-    add_steps(parser)
+    add_options(parser, "steps")
     add_report(parser)
 
 

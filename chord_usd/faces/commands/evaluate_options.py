@@ -7,18 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from chord_usd.faces.commands.common import (
-    SAMPLERS,
-    Outcome,
-    Parser,
-    UsageError,
-    add_device,
-    add_lists,
-    add_seed,
-    add_steps,
-    existing_file,
-    whole_number,
-)
+from chord_usd.base.scene.settings import OPTIONS, SAMPLERS
+from chord_usd.faces.commands.common import Outcome, Parser, UsageError, existing_file, whole_number
+from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import output_file
 
 if TYPE_CHECKING:
@@ -52,13 +43,13 @@ def add_checkpoint(parser: Parser, name: str = "plan2layout") -> None:
     parser.add_argument(
         "--checkpoint", type=Path, metavar="DIR", help=f"instead of the shipped {name}"
     )
-    add_seed(parser)
-    add_device(parser)
+    add_options(parser, "seed")
+    add_options(parser, "device")
 
 
 def add_sampling(parser: Parser) -> None:
     """Options that say how the model is sampled."""
-    add_steps(parser)
+    add_options(parser, "steps")
     parser.add_argument("--sampler", choices=SAMPLERS, help="(the checkpoint's own)")
 
 
@@ -68,7 +59,7 @@ def add_drawer(parser: Parser) -> None:
         "--lists", type=Path, metavar="DIR",
         help="start from the lists of this checkpoint of train lists (the shipped one)",
     )  # fmt: skip
-    add_lists(parser)
+    parser.add_argument("--no-list", action="store_true", help=OPTIONS["lists"].help)
 
 
 def load_drawer(options: argparse.Namespace) -> ListDrawer:

@@ -11,11 +11,11 @@ from chord_usd.faces.commands.common import (
     UsageError,
     Verbs,
     add_verb,
-    seed,
     stopwatch,
     whole_number,
 )
 from chord_usd.faces.commands.evaluate_options import add_records, add_report, told
+from chord_usd.faces.commands.house_options import add_options
 
 if TYPE_CHECKING:
     from chord_usd.base.scene.types import ByteArray, Plan
@@ -32,9 +32,7 @@ def add(group: Verbs) -> None:
         metavar="N",
         help="pages of each kind (10)",
     )
-    parser.add_argument(
-        "--seed", type=seed, default=0, metavar="N", help="same seed, same drawings (0)"
-    )
+    add_options(parser, seed="same seed, same drawings (0)")
     parser.add_argument(
         "--clean",
         action="store_true",

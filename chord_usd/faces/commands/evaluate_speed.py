@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from chord_usd.faces.commands.common import SAMPLERS, Outcome, Verbs, add_verb, names, stopwatch
+from chord_usd.base.scene.settings import SAMPLERS
+from chord_usd.faces.commands.common import Outcome, Verbs, add_verb, names, stopwatch
 from chord_usd.faces.commands.evaluate_options import (
     add_checkpoint,
     add_fid,

@@ -13,28 +13,13 @@ from chord_usd.faces.commands.common import (
     Outcome,
     UsageError,
     Verbs,
-    add_arrange,
-    add_articulation,
-    add_assets,
-    add_device,
-    add_dressing,
-    add_lists,
-    add_part,
-    add_redraws,
-    add_roof,
-    add_rooms,
-    add_seed,
-    add_sky,
     add_stage_output,
-    add_steps,
-    add_style,
-    add_texture_size,
     add_verb,
     add_view,
-    scale,
     stopwatch,
 )
 from chord_usd.faces.commands.generate_storeys import run_storeys, storeys_given
+from chord_usd.faces.commands.house_options import add_options, settings_of
 from chord_usd.faces.commands.paths import output_file, output_folder
 from chord_usd.faces.commands.planned import add_sources, plan_source, planned_report, without_scale
 
@@ -57,31 +42,11 @@ def add(verbs: Verbs) -> None:
     )
     add_sources(parser)
     add_stage_output(parser)
-    add_seed(parser)
-    add_style(parser)
-    add_texture_size(parser)
-    add_articulation(parser)
-    add_steps(parser)
-    add_lists(parser)
-    add_arrange(parser)
-    parser.add_argument(
-        "--furniture", metavar="WISHES",
-        help='what rooms shall hold: "Bedroom 1: double bed, desk; Bathroom: no bathtub"',
+    add_options(
+        parser, "seed", "style", "texture_px", "articulation", "steps", "lists", "arrange",
+        "furniture", "redraws", "m_per_px", "part", "rooms", "tabletop", "dressing", "sky", "roof",
+        "asset_folders", "device",
     )  # fmt: skip
-    add_redraws(parser)
-    parser.add_argument(
-        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
-    )
-    add_part(parser)
-    add_rooms(parser)
-    parser.add_argument(
-        "--no-tabletop", action="store_true", help="leave tables, desks and worktops bare"
-    )
-    add_dressing(parser)
-    add_sky(parser)
-    add_roof(parser)
-    add_assets(parser)
-    add_device(parser)
     parser.add_argument(
         "--layout-out",
         type=output_file,
@@ -109,30 +74,9 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb. All outputs appear together, at the end."""
-    from chord_usd.line.lists.wishes import read_furniture
-    from chord_usd.line.pipeline import Settings, generate, require
-    from chord_usd.line.plan.corrections import read_rooms
+    from chord_usd.line.pipeline import generate, require
 
-    settings = Settings(
-        seed=options.seed,
-        sky=options.sky,
-        roof=options.roof,
-        steps=options.steps,
-        m_per_px=options.scale,
-        part=options.part,
-        device=options.device,
-        asset_folders=tuple(options.assets),
-        style=options.style,
-        texture_px=options.texture_size,
-        articulation=options.articulation,
-        tabletop=not options.no_tabletop,
-        dressing=not options.no_dressing,
-        lists=not options.no_list,
-        arrange=not options.no_arrange,
-        redraws=options.redraws,
-        furniture=() if options.furniture is None else read_furniture(options.furniture),
-        rooms=() if options.rooms is None else read_rooms(options.rooms),
-    )
+    settings = settings_of(options)
     if settings.rooms and not options.plan:
         raise UsageError(
             "names rooms of a plan that is not drawn yet", where="--rooms",

@@ -14,14 +14,12 @@ from chord_usd.base.scene.limits import LARGEST_HOUSE_M
 from chord_usd.faces.commands.common import (
     Outcome,
     Verbs,
-    add_arrange,
-    add_assets,
     add_output,
     add_verb,
     existing_file,
-    scale,
     stopwatch,
 )
+from chord_usd.faces.commands.house_options import add_options, settings_of
 
 if TYPE_CHECKING:
     from chord_usd.base.scene.types import Room
@@ -32,11 +30,7 @@ def add(verbs: Verbs) -> None:
     parser = add_verb(verbs, "graph", run, "read a layout raster into a scene graph (CHOrD JSON)")
     parser.add_argument("layout", type=Path, metavar="LAYOUT", help="layout raster, layout.png")
     add_output(parser, "the scene graph, scene.json", suffixes=(".json",))
-    parser.add_argument(
-        "--scale", type=scale, metavar="M_PER_PX", help="for pictures that do not say it"
-    )
-    add_arrange(parser)
-    add_assets(parser)
+    add_options(parser, "arrange", "asset_folders", m_per_px="for pictures without a note of it")
 
 
 def run(options: argparse.Namespace) -> Outcome:
@@ -44,11 +38,11 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.base.raster.raster_files import read_layout
     from chord_usd.base.scene.chord_json import write_scene
     from chord_usd.line.arrange.rules import edits_told
-    from chord_usd.line.pipeline import Settings, load_reader
+    from chord_usd.line.pipeline import load_reader
 
-    settings = Settings(asset_folders=tuple(options.assets), arrange=not options.no_arrange)
+    settings = settings_of(options)
     watch = stopwatch(options)
-    layout = read_layout(existing_file(options.layout), options.scale)
+    layout = read_layout(existing_file(options.layout), options.m_per_px)
     with deliver() as delivery:
         target = delivery.place(options.output)
         with watch.step("load"):

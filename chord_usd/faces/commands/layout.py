@@ -7,19 +7,14 @@ from pathlib import Path
 
 from chord_usd.base.runtime.files import deliver
 from chord_usd.faces.commands.common import (
-    SAMPLERS,
     Outcome,
     Verbs,
-    add_device,
-    add_lists,
     add_output,
-    add_seed,
-    add_steps,
     add_verb,
     existing_file,
-    scale,
     stopwatch,
 )
+from chord_usd.faces.commands.house_options import add_options, settings_of
 
 
 def add(verbs: Verbs) -> None:
@@ -29,24 +24,13 @@ def add(verbs: Verbs) -> None:
     )
     parser.add_argument("plan", type=Path, metavar="PLAN", help="plan picture or CHOrD JSON")
     add_output(parser, "the layout raster, layout.png", suffixes=(".png",))
-    add_seed(parser)
-    add_steps(parser)
-    add_lists(parser)
-    parser.add_argument(
-        "--sampler", choices=SAMPLERS,
-        help="ddim, dpm (DPM-Solver++) or ddpm, the paper's (the checkpoint's own)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of a plan picture"
-    )
-    add_device(parser)
+    add_options(parser, "seed", "steps", "lists", "sampler", "m_per_px", "device")
 
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.base.raster.raster_files import write_raster
     from chord_usd.line.pipeline import (
-        Settings,
         draw_layout,
         draw_plan,
         load_lists,
@@ -57,14 +41,7 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.line.plan.read import WARNINGS
     from chord_usd.line.plan.text import let_go
 
-    settings = Settings(
-        seed=options.seed,
-        steps=options.steps,
-        sampler=options.sampler,
-        m_per_px=options.scale,
-        device=options.device,
-        lists=not options.no_list,
-    )
+    settings = settings_of(options)
     plan_file = existing_file(options.plan)
     watch = stopwatch(options)
     with deliver() as delivery:

@@ -15,11 +15,10 @@ from chord_usd.faces.commands.common import (
     Verbs,
     add_group,
     add_output,
-    add_seed,
     add_verb,
     stopwatch,
-    style_name,
 )
+from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import output_file
 
 if TYPE_CHECKING:
@@ -43,10 +42,8 @@ def add(verbs: Verbs) -> None:
         "family", nargs="?", metavar="FAMILY", help="several draws of one family (all families)"
     )
     _add_set(sheet)
-    sheet.add_argument(
-        "--style", type=style_name, metavar="NAME", help="what a home of this style and seed wears"
-    )
-    add_seed(sheet)
+    add_options(sheet, unset=("style",), style="what a home of this style and seed wears")
+    add_options(sheet, "seed")
     add_output(sheet, "the sheet, PNG", suffixes=(".png",))
 
 

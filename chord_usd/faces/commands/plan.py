@@ -14,13 +14,11 @@ from chord_usd.faces.commands.common import (
     Verbs,
     add_group,
     add_output,
-    add_part,
-    add_rooms,
     add_verb,
     existing_file,
-    scale,
     stopwatch,
 )
+from chord_usd.faces.commands.house_options import add_options, settings_of
 from chord_usd.faces.commands.paths import output_file
 
 if TYPE_CHECKING:
@@ -36,12 +34,7 @@ def add(verbs: Verbs) -> None:
         help="floor plan: picture, PDF page, SVG, DXF, IFC or Sweet Home 3D",
     )  # fmt: skip
     add_output(read, "the vector plan, plan.json", suffixes=(".json",))
-    read.add_argument(
-        "--scale", type=scale, metavar="M_PER_PX",
-        help="metres per pixel of the drawing, or per unit of a vector file",
-    )  # fmt: skip
-    add_part(read)
-    add_rooms(read)
+    add_options(read, "m_per_px", "part", "rooms")
     read.add_argument(
         "--overlay",
         type=output_file,
@@ -61,13 +54,12 @@ def add(verbs: Verbs) -> None:
 def run_read(options: argparse.Namespace) -> Outcome:
     """Runs plan read."""
     from chord_usd.base.scene.chord_json import write_plan
-    from chord_usd.line.pipeline import Settings, read_plan
-    from chord_usd.line.plan.corrections import read_rooms
+    from chord_usd.line.pipeline import read_plan, require
     from chord_usd.line.plan.placement import WARNINGS
 
     image = existing_file(options.image)
-    said = () if options.rooms is None else read_rooms(options.rooms)
-    settings = Settings(m_per_px=options.scale, part=options.part, rooms=said)
+    settings = settings_of(options)
+    require(settings)
     with deliver() as delivery:
         target = delivery.place(options.output)
         overlay = delivery.place(options.overlay) if options.overlay else None

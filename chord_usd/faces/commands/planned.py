@@ -16,15 +16,12 @@ from chord_usd.faces.commands.common import (
     Parser,
     UsageError,
     Verbs,
-    add_device,
     add_output,
-    add_seed,
-    add_steps,
     add_verb,
     existing_file,
-    scale,
     stopwatch,
 )
+from chord_usd.faces.commands.house_options import add_options, settings_of
 
 if TYPE_CHECKING:
     from chord_usd.base.runtime.progress import Stopwatch
@@ -37,7 +34,6 @@ def add(group: Verbs) -> None:
     text = add_verb(group, "from-text", run_from_text, "plan the floor that a text asks for")
     text.add_argument("text", metavar="TEXT", help='such as "a two-bed flat of about 70 m²"')
     _add_options(text)
-    text.set_defaults(scale=None)
     outline = add_verb(
         group, "from-outline", run_from_outline, "divide an open plan, outer walls only, into rooms"
     )
@@ -46,9 +42,7 @@ def add(group: Verbs) -> None:
         help="drawing of outer walls with windows and doors, or a plan of one room",
     )  # fmt: skip
     outline.add_argument("--text", default="", metavar="TEXT", help="what rooms there shall be")
-    outline.add_argument(
-        "--scale", type=scale, metavar="M_PER_PX", help="metres per pixel of the drawing"
-    )
+    add_options(outline, "m_per_px")
     _add_options(outline)
 
 
@@ -57,9 +51,7 @@ def _add_options(parser: Parser) -> None:
         parser, "the plan: plan.png, the raster, or plan.json, the vectors (CHOrD JSON)",
         suffixes=(".png", ".json"),
     )  # fmt: skip
-    add_seed(parser)
-    add_steps(parser)
-    add_device(parser)
+    add_options(parser, "seed", "steps", "device")
 
 
 def add_sources(parser: Parser) -> None:
@@ -85,15 +77,10 @@ def run_from_outline(options: argparse.Namespace) -> Outcome:
 def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
     from chord_usd.base.raster.raster_files import write_raster
     from chord_usd.base.scene.chord_json import write_plan
-    from chord_usd.line.pipeline import Settings, draw_plan
+    from chord_usd.line.pipeline import draw_plan
 
     suffix = options.output.suffix.lower()
-    settings = Settings(
-        seed=options.seed,
-        steps=options.steps,
-        device=options.device,
-        m_per_px=options.scale,
-    )
+    settings = settings_of(options)
     watch = stopwatch(options)
     with deliver() as delivery:
         target = delivery.place(options.output)

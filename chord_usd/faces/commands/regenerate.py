@@ -8,23 +8,17 @@ from pathlib import Path
 from chord_usd.base.runtime.counting import counted
 from chord_usd.base.runtime.files import deliver
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
+from chord_usd.base.scene.styles import MIXED, STYLES
 from chord_usd.faces.commands.certified import certified, holds, reported
 from chord_usd.faces.commands.common import (
     Outcome,
     Verbs,
-    add_arrange,
-    add_assets,
-    add_device,
-    add_dressing,
-    add_lists,
-    add_steps,
-    add_style,
     add_verb,
     add_view,
     existing_file,
-    seed,
     stopwatch,
 )
+from chord_usd.faces.commands.house_options import add_options, settings_of
 from chord_usd.faces.commands.paths import in_place_of, output_file, with_suffixes
 
 
@@ -60,15 +54,12 @@ def add(verbs: Verbs) -> None:
     )
     in_place_of(target, "STAGE")
     with_suffixes(target, STAGE_SUFFIXES)
-    parser.add_argument("--seed", type=seed, metavar="N", help="(one more than the room's last)")
-    add_style(parser, "that of the stage")
-    add_steps(parser)
-    add_lists(parser)
-    add_arrange(parser)
-    parser.add_argument(
-        "--no-tabletop", action="store_true", help="leave the room's tables and worktops bare"
-    )
-    add_dressing(parser)
+    add_options(
+        parser, "steps", "lists", "arrange", "tabletop", "dressing", "asset_folders", "device",
+        unset=("seed", "style"),
+        seed="(one more than the last seed of the room)",
+        style=f"{', '.join(STYLES)} or {MIXED} (that of the stage)",
+    )  # fmt: skip
     parser.add_argument(
         "--layout-out", type=output_file, metavar="PNG", help="also write the layout"
     )
@@ -76,8 +67,6 @@ def add(verbs: Verbs) -> None:
         "--graph-out", type=output_file, metavar="JSON", help="also write the scene graph"
     )
     add_view(parser)
-    add_assets(parser)
-    add_device(parser)
 
 
 def run(options: argparse.Namespace) -> Outcome:
@@ -86,22 +75,12 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.base.scene.chord_json import write_scene
     from chord_usd.line.arrange.rules import edits_told
     from chord_usd.line.lists.wishes import read_pieces
-    from chord_usd.line.pipeline import Settings
     from chord_usd.line.pipeline.one_room import regenerate, write_regenerated
 
     source = existing_file(options.stage)
     edits = existing_file(options.edits) if options.edits else None
     target = options.output or source
-    settings = Settings(
-        steps=options.steps,
-        device=options.device,
-        asset_folders=tuple(options.assets),
-        style=options.style or "",
-        tabletop=not options.no_tabletop,
-        dressing=not options.no_dressing,
-        lists=not options.no_list,
-        arrange=not options.no_arrange,
-    )
+    settings = settings_of(options)
     wishes = read_pieces(*(own and "\n".join(own) for own in (options.wanted, options.without)))
     watch = stopwatch(options)
     with deliver() as delivery:

@@ -21,11 +21,11 @@ from chord_usd.faces.commands.common import (
     frames,
     names,
     resolution,
-    seed,
     stopwatch,
     tile,
     whole_number,
 )
+from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import output_place, sky
 
 if TYPE_CHECKING:
@@ -146,7 +146,7 @@ def add_how(parser: Parser) -> None:
         "--device", default="auto", metavar="NAME",
         help="auto, cpu, gpu, or a backend such as cuda (auto: a GPU if there is one)",
     )  # fmt: skip
-    group.add_argument("--seed", type=seed, default=0, metavar="N", help="of the noise (0)")
+    add_options(group, seed="of the noise (0)")
     group.add_argument(
         "--skip-existing", action="store_true",
         help="keep what is there already, if it is whole and was made with the same options",

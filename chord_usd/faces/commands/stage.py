@@ -7,23 +7,17 @@ from pathlib import Path
 
 from chord_usd.base.runtime.counting import counted_rooms
 from chord_usd.base.runtime.files import deliver
+from chord_usd.base.scene.styles import MIXED, STYLES
 from chord_usd.faces.commands.certified import add_check, certified, holds, reported
 from chord_usd.faces.commands.common import (
     Outcome,
     Verbs,
-    add_arrange,
-    add_articulation,
-    add_assets,
-    add_roof,
-    add_seed,
-    add_sky,
     add_stage_output,
-    add_style,
-    add_texture_size,
     add_verb,
     existing_file,
     stopwatch,
 )
+from chord_usd.faces.commands.house_options import add_options, settings_of
 
 
 def add(verbs: Verbs) -> None:
@@ -31,14 +25,11 @@ def add(verbs: Verbs) -> None:
     parser = add_verb(verbs, "stage", run, "write a scene graph as a USD stage")
     parser.add_argument("scene", type=Path, metavar="SCENE", help="scene graph, CHOrD JSON")
     add_stage_output(parser)
-    add_seed(parser)
-    add_style(parser, "the scene's own")
-    add_texture_size(parser)
-    add_articulation(parser)
-    add_arrange(parser)
-    add_sky(parser)
-    add_roof(parser)
-    add_assets(parser)
+    add_options(
+        parser, "seed", "texture_px", "articulation", "arrange", "sky", "roof", "asset_folders",
+        unset=("style",),
+        style=f"{', '.join(STYLES)} or {MIXED} (that of the scene, else one of them by the seed)",
+    )  # fmt: skip
     add_check(parser)
 
 
@@ -46,18 +37,9 @@ def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.base.scene.estimates import of_stage
     from chord_usd.line.arrange.rules import edits_told
-    from chord_usd.line.pipeline import Settings, read_scene_file, require, settle, write_stage
+    from chord_usd.line.pipeline import read_scene_file, require, settle, write_stage
 
-    settings = Settings(
-        seed=options.seed,
-        sky=options.sky,
-        roof=options.roof,
-        asset_folders=tuple(options.assets),
-        arrange=not options.no_arrange,
-        style=options.style or "",
-        texture_px=options.texture_size,
-        articulation=options.articulation,
-    )
+    settings = settings_of(options)
     require(settings)
     scene_file = existing_file(options.scene)
     watch = stopwatch(options)

@@ -9,13 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from chord_usd.base.runtime.counting import counted
-from chord_usd.faces.commands.common import (
-    Outcome,
-    UsageError,
-    Verbs,
-    add_verb,
-    stopwatch,
-)
+from chord_usd.faces.commands.common import Outcome, UsageError, Verbs, add_verb, stopwatch
 from chord_usd.faces.commands.train_options import (
     add_flats,
     add_furnished,

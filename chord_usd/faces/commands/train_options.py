@@ -9,14 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from chord_usd.base.errors import SceneError
-from chord_usd.faces.commands.common import (
-    Parser,
-    UsageError,
-    add_output,
-    add_seed,
-    positive,
-    whole_number,
-)
+from chord_usd.faces.commands.common import Parser, UsageError, add_output, positive, whole_number
+from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import optional_input, output_run
 
 if TYPE_CHECKING:
@@ -45,7 +39,7 @@ def add_training_options(parser: Parser, *, minutes: float, batch: int | None) -
         help=f"({batch or 'the preset decides'})",
     )
     parser.add_argument("--device", default="cpu", metavar="NAME", help="cpu, cuda or cuda:1 (cpu)")
-    add_seed(parser)
+    add_options(parser, "seed")
 
 
 def add_processor_time(parser: Parser) -> None:

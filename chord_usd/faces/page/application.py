@@ -22,9 +22,7 @@ from chord_usd.base.errors import ChordError, DiskFullError, MissingExtraError
 from chord_usd.base.runtime.extras import install_line
 from chord_usd.base.runtime.warm_calls import WarmVerbs
 from chord_usd.base.scene.limits import PARTS
-from chord_usd.base.scene.roof_forms import ROOF_FORMS
-from chord_usd.base.scene.skies import SKIES
-from chord_usd.base.scene.styles import MIXED, STYLES
+from chord_usd.base.scene.settings import form_field, offered_by
 from chord_usd.faces.page.asked import LONGEST_TEXT, PACKS, fields_of, given_of, parts_of
 from chord_usd.faces.page.gate import Gate, refused
 from chord_usd.faces.page.house_jobs import CAN_SAY, VIEW, HouseJobs, RunVerb
@@ -161,9 +159,7 @@ class _Page:
     async def choices(self, _request: Request) -> Response:
         return _json(
             {
-                "styles": [MIXED, *STYLES],
-                "skies": [sky.name for sky in SKIES],
-                "roofs": ROOF_FORMS,
+                "options": [form_field(option) for option in offered_by("page")],
                 "packs": PACKS,
                 "canSay": CAN_SAY,
                 "suffixes": PLAN_SUFFIXES,

@@ -11,8 +11,7 @@ from starlette.requests import Request
 
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime.json_text import parse_json
-from chord_usd.base.scene.limits import SEEDS
-from chord_usd.base.scene.skies import SKIES
+from chord_usd.base.scene.settings import offered_by
 from chord_usd.faces.page.uploads import UploadError
 
 MOST_JSON_BYTES = 8 * 2**20
@@ -34,11 +33,12 @@ QUALITIES = {"draft": ("draft", "640x360"), "good": ("good", "1280x720")}
 Fields = Mapping[str, type | tuple[type, ...]]
 
 GIVEN: Fields = {
-    "version": int, "seed": int, "part": int, "force": int, "scale": (int, float), "keep": list,
+    "version": int, "part": int, "force": int, "scale": (int, float), "keep": list,
+    **{option.name: type(option.default) for option in offered_by("page")},
     **dict.fromkeys(
         (
-            "room", "with", "without", "style", "sky", "roof", "furniture", "text", "sentence",
-            "category", "size", "model", "colour", "camera", "quality", "lighting", "for",
+            "room", "with", "without", "text", "sentence", "category", "size", "model", "colour",
+            "camera", "quality", "lighting", "for",
         ),
         str,
     ),
@@ -55,7 +55,11 @@ CHOICES: Mapping[str, Collection[str]] = {
     "for": PACKS,
     "quality": QUALITIES,
     # Names only: the verb takes an HDRI of the machine's disk, too.
-    "sky": [sky.name for sky in SKIES],
+    **{
+        option.name: option.offered or option.choices
+        for option in offered_by("page")
+        if option.offered or option.choices
+    },
 }
 
 
@@ -111,8 +115,9 @@ def given_of(kind: str, given: object) -> dict[str, Any]:
     for name, choices in CHOICES.items():
         if given.get(name) and given[name] not in choices:
             raise ChordError(f"there is no such {name}", expected=f"one of {', '.join(choices)}")
-    if not SEEDS[0] <= (given.get("seed") or 0) <= SEEDS[1]:
-        raise ChordError("there is no such seed", expected=f"{SEEDS[0]} to {SEEDS[1]}")
+    for option in offered_by("page"):
+        if option.limits and given.get(option.name) is not None:
+            option.refuse(given[option.name])
     return given
 
 

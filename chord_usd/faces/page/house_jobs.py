@@ -16,6 +16,7 @@ import anyio
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime.archives import pack_folder
 from chord_usd.base.runtime.verb_calls import Answer, Told
+from chord_usd.base.scene.settings import offered_by, words_of
 from chord_usd.faces.page.asked import PACKS, QUALITIES
 from chord_usd.faces.page.job_queue import Job
 from chord_usd.faces.page.kept_houses import EDITS, STAGE, KeptHouses, Record
@@ -114,8 +115,7 @@ class HouseJobs:
             plans = [self._houses.word(self._houses.plan_path(*one)) for one in storeys]
             words = ["generate", *plans, "--no-check"]
             words += [f"--output={self._houses.word(folder / 'house' / STAGE)}"]
-            for name in ("seed", "style", "sky", "roof", "furniture"):
-                words += _option(name, given.get(name))
+            words += words_of({row.name: given.get(row.name) for row in offered_by("page")})
             answer = await self._call(job, [*words, self._view_word(folder)])
             rooms = _rooms_in(folder / VIEW)
             label = f"seed {given.get('seed') or 0}, {answer.data.get('style') or 'house'}"

@@ -17,6 +17,7 @@ from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.runtime.progress import Progress, Stopwatch
 from chord_usd.base.scene.estimates import of_furnishing, of_stage
 from chord_usd.base.scene.roof_forms import NO_ROOF
+from chord_usd.base.scene.settings import Settings
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.base.scene.types import (
     LayoutImage,
@@ -39,7 +40,6 @@ from chord_usd.line.pipeline.loading import (
     with_networks,
 )
 from chord_usd.line.pipeline.redraw import Draw, arrange_drawn, mend_rooms
-from chord_usd.line.pipeline.settings import Settings
 
 if TYPE_CHECKING:
     from chord_usd.library.database import AssetDatabase
@@ -200,9 +200,9 @@ def read_plan(plan_file: Path, settings: Settings) -> Plan:
     plan = read_plan_file(plan_file, settings.m_per_px, settings.part)
     if not settings.rooms:
         return plan
-    from chord_usd.line.plan.corrections import with_rooms
+    from chord_usd.line.plan.corrections import read_rooms, with_rooms
 
-    return with_rooms(plan, settings.rooms)
+    return with_rooms(plan, read_rooms(settings.rooms))
 
 
 def refuse_shut(plan: Plan, plan_file: Path) -> None:
@@ -221,11 +221,11 @@ def asked_of(plan: Plan, settings: Settings) -> dict[str, Asked]:
     """What the rooms of a plan shall hold, by their ids. Raises ChordError."""
     if not settings.furniture:
         return {}
-    from chord_usd.line.lists.wishes import furniture_asked
+    from chord_usd.line.lists.wishes import furniture_asked, read_furniture
     from chord_usd.line.stage.author.names import name_rooms
 
     rooms = {named.name: named.room for named in name_rooms(plan.scene())}
-    return furniture_asked(settings.furniture, rooms)
+    return furniture_asked(read_furniture(settings.furniture), rooms)
 
 
 def draw_plan(plan: Plan) -> PlanImage:
@@ -279,13 +279,20 @@ def sampling(
 
 def require(settings: Settings) -> None:
     """Raises ChordError for what cannot be had, before anything is loaded: an unknown sky, a file
-    that is no HDRI, pieces where there are no lists."""
+    that is no HDRI, pieces where there are no lists, furniture and rooms that cannot be read."""
     from chord_usd.base.raster.hdri import require_picture
     from chord_usd.base.scene.skies import sky_named
 
     require_picture(sky_named(settings.sky))
     if settings.furniture:
+        from chord_usd.line.lists.wishes import read_furniture
+
+        read_furniture(settings.furniture)
         require_lists(settings)
+    if settings.rooms:
+        from chord_usd.line.plan.corrections import read_rooms
+
+        read_rooms(settings.rooms)
 
 
 def refuse_roof(plan: Plan, settings: Settings) -> None:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.errors import ChordError, StageError
 from chord_usd.base.runtime.progress import Stopwatch
+from chord_usd.base.scene.settings import Settings
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.base.scene.types import Item, Provenance, Room, SceneGraph
-from chord_usd.line.pipeline.settings import Settings
 
 if TYPE_CHECKING:
     from chord_usd.library.database import AssetDatabase

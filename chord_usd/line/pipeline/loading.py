@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.runtime.networks import content_hash
+from chord_usd.base.scene.settings import OPTIONS, Settings
 from chord_usd.base.scene.types import LayoutImage, Plan, SceneGraph
-from chord_usd.line.pipeline.settings import Settings
 
 if TYPE_CHECKING:
     from chord_usd.library.database import AssetDatabase
@@ -130,12 +130,8 @@ def keep_models(settings: Settings) -> None:
 
 def _deciding(settings: Settings) -> Settings:
     """The settings without those that have no say in what is loaded."""
-    own = Settings()
-    return replace(
-        settings, seed=own.seed, sky=own.sky, steps=own.steps, m_per_px=own.m_per_px,
-        part=own.part, style=own.style, articulation=own.articulation, dressing=own.dressing,
-        redraws=own.redraws, roof=own.roof, furniture=own.furniture, rooms=own.rooms,
-    )  # fmt: skip
+    others = (option for option in OPTIONS.values() if not option.decides_models)
+    return replace(settings, **{option.name: option.default for option in others})
 
 
 def load_models(settings: Settings) -> Models:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from chord_usd.base.runtime.progress import Stopwatch
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.palette import Mount, category
+from chord_usd.base.scene.settings import Settings
 from chord_usd.base.scene.styles import MIXED, style_named
 from chord_usd.base.scene.types import Item, LayoutImage, Room, SceneGraph, StageFile
 from chord_usd.line.pipeline import (
@@ -23,7 +24,6 @@ from chord_usd.line.pipeline import (
     settle,
 )
 from chord_usd.line.pipeline.redraw import TOUCH_M2, furnish_again
-from chord_usd.line.pipeline.settings import Settings
 
 if TYPE_CHECKING:
     from chord_usd.library.database import AssetDatabase

@@ -13,6 +13,7 @@ from chord_usd.base.runtime.json_text import parse_json
 from chord_usd.base.runtime.progress import Stopwatch
 from chord_usd.base.scene.json_stairs import StoreyPlan, is_storeys, storeys_from_json
 from chord_usd.base.scene.limits import MOST_JSON_BYTES, SEEDS
+from chord_usd.base.scene.settings import Settings
 from chord_usd.base.scene.stair_cells import is_cell
 from chord_usd.base.scene.storeys import Building, Storey, stack
 from chord_usd.base.scene.styles import MIXED, style_named
@@ -28,11 +29,9 @@ from chord_usd.line.pipeline import (
     sampling,
 )
 from chord_usd.line.pipeline.loading import Models, load_models
-from chord_usd.line.pipeline.settings import Settings
 
 if TYPE_CHECKING:
     from chord_usd.line.lists.wishes import Asked
-    from chord_usd.line.plan.corrections import RoomSaid
 
 _SEEDS_APART = 7919
 """Between the seeds of storeys."""
@@ -60,7 +59,7 @@ def read_storeys(
     Raises PlanError.
     """
     found: list[StoreyPlan] = []
-    said, settings = settings.rooms, replace(settings, rooms=())
+    said, settings = settings.rooms, replace(settings, rooms="")
     for file in files:
         held = storeys_in(file)
         if every and not held:
@@ -72,14 +71,14 @@ def read_storeys(
     return _corrected(found, said) if said else tuple(found)
 
 
-def _corrected(storeys: Sequence[StoreyPlan], said: Sequence[RoomSaid]) -> tuple[StoreyPlan, ...]:
+def _corrected(storeys: Sequence[StoreyPlan], said: str) -> tuple[StoreyPlan, ...]:
     from chord_usd.base.scene.storeys import storey_title
-    from chord_usd.line.plan.corrections import on_storeys, with_rooms
+    from chord_usd.line.plan.corrections import on_storeys, read_rooms, with_rooms
 
     names = [one.name or storey_title(index) for index, one in enumerate(storeys)]
     return tuple(
         replace(storey, plan=with_rooms(storey.plan, own)) if own else storey
-        for storey, own in zip(storeys, on_storeys(said, names), strict=True)
+        for storey, own in zip(storeys, on_storeys(read_rooms(said), names), strict=True)
     )
 
 
@@ -142,12 +141,12 @@ def _asked(building: Building, settings: Settings) -> dict[str, Asked]:
     """What rooms of all storeys shall hold, by their ids. Raises ChordError."""
     if not settings.furniture:
         return {}
-    from chord_usd.line.lists.wishes import furniture_asked
+    from chord_usd.line.lists.wishes import furniture_asked, read_furniture
     from chord_usd.line.stage.author.stage_levels import levels_of
 
     graphs = [storey.plan.scene() for storey in building.storeys]
     rooms = {named.name: named.room for one in levels_of(building, graphs) for named in one.rooms}
-    return furniture_asked(settings.furniture, rooms)
+    return furniture_asked(read_furniture(settings.furniture), rooms)
 
 
 def _write(

@@ -54,6 +54,27 @@ export function check(name, checked, act) {
   return el("label", { class: "check" }, box, name);
 }
 
+/** The input of a row of the option table; a change is stored in values, by name. */
+export function optionInput(option, values) {
+  const { name, kind, help } = option;
+  const store = (value) => { values[name] = value; };
+  if (kind === "choice") {
+    // An empty choice is the usual value, which the help names in brackets.
+    const usual = /\((\w+)\)$/.exec(help)?.[1] ?? "usual";
+    const choices = option.choices.includes("") ? option.choices.filter((c) => c !== usual) : option.choices;
+    return choice(choices.map((c) => [c, c || usual]), values[name], store);
+  }
+  if (kind === "number") {
+    const { least: min, most: max } = option;
+    const input = el("input", { type: "number", min, max, value: values[name], title: help });
+    input.addEventListener("change", () => store(Number(input.value) || option.default));
+    return input;
+  }
+  const text = el("textarea", { rows: 2, placeholder: help, maxlength: 2000, value: values[name] });
+  text.addEventListener("change", () => store(text.value));
+  return text;
+}
+
 /** A list to choose from: names, or pairs of value and name. */
 export function choice(options, value, act = () => {}) {
   const list = el("select", { onchange: () => act(list.value) });

@@ -1,6 +1,6 @@
 // The reading over the picture: what is doubted, how to put it right, and "Furnish".
 import { ask, get, job, oneAtATime } from "./api.js";
-import { button, choice, complain, el, field } from "./dom.js";
+import { button, choice, complain, el, field, optionInput } from "./dom.js";
 import { addStorey } from "./home.js";
 import { PlanDrawing } from "./plan_drawing.js";
 import * as model from "./plan_model.js";
@@ -36,7 +36,7 @@ class PlanTab {
     this.area = el("div", { class: "stagearea" });
     this.side = el("aside", { class: "side stack", "aria-label": "Corrections" });
     this.node = el("div", { class: "split" }, this.area, this.side);
-    this.wishes = { seed: 0, style: "mixed", sky: "", roof: "none", furniture: "" };
+    this.wishes = Object.fromEntries(app.choices.options.map((option) => [option.name, option.default]));
     this.drawing = new PlanDrawing({
       picture: this.picture,
       edit: (plan, how) => this.edited(plan, how),
@@ -358,25 +358,17 @@ class PlanTab {
 
   furnishForm() {
     const { wishes } = this;
-    const { styles, skies, roofs } = this.app.choices;
-    const keep = (name, input) => {
-      input.addEventListener("change", () => { wishes[name] = input.value; });
-      return input;
-    };
-    const seed = keep("seed", el("input", { type: "number", min: 0, max: 2147483647, value: wishes.seed }));
-    const text = keep("furniture", el("textarea", { rows: 2, placeholder: "Bedroom 1: double bed, desk", maxlength: 2000, value: wishes.furniture }));
+    const { options } = this.app.choices;
+    const inputs = (isText) => options.filter((option) => (option.kind === "text") === isText)
+      .map((option) => field(option.label, optionInput(option, wishes)));
     const again = this.app.house.versions.length > 0;
     return el(
       "section", { class: "stack", "aria-label": "Furnish" },
-      el("div", { class: "row" },
-        field("Style", keep("style", choice(styles, wishes.style))),
-        field("Sky", keep("sky", choice([["", "noon"], ...skies.filter((sky) => sky !== "noon")], wishes.sky))),
-        field("Roof", keep("roof", choice(roofs, wishes.roof))),
-        field("Seed", seed)),
-      field("Wishes", text),
+      el("div", { class: "row" }, ...inputs(false)),
+      ...inputs(true),
       button(again ? "Furnish again" : "Furnish", async () => {
         await this.save();
-        const given = { ...wishes, seed: Number(wishes.seed) || 0 };
+        const given = { ...wishes };
         const ground = this.app.house.storeys?.[0]?.id ?? this.app.house.id;
         if (ground === this.app.house.id) {
           await this.app.start("furnish", given);
