@@ -136,7 +136,7 @@ class ChordFindModels(JobOperator, bpy.types.Operator):
         changes = save_changes(context).changes
         category = str(objects[path][CATEGORY_KEY])
         slot = _slot(objects[path], changes, path)
-        assets = bpy.path.abspath(fields(context).assets)
+        assets = bpy.path.abspath(fields(context).asset_folders)
 
         finish = partial(_offer, path)
         return commands.nearest(category, slot, pictures_folder(), assets), finish
