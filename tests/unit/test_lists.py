@@ -14,15 +14,29 @@ from hypothesis import strategies as st
 
 from chord_usd.base.metrics import score_scene
 from chord_usd.base.metrics.complete import homely_rooms, lacking
+from chord_usd.base.metrics.design.price import conflicts
+from chord_usd.base.metrics.design.shell import shells
+from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.metrics.walk import ways_shut
 from chord_usd.base.scene.palette import HOUSE_CATEGORIES
 from chord_usd.base.scene.pose import Pose, posed
-from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.base.scene.types import (
+    Box,
+    Item,
+    Opening,
+    Room,
+    RoomKind,
+    SceneGraph,
+    frozen_array,
+)
 from chord_usd.line.lists import pieces
 from chord_usd.line.lists.house import Drafts, furnish_by_lists
 from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Drawn, ListDrawer, Subject
+from chord_usd.line.lists.mend import mended
 from chord_usd.line.lists.pieces import PIECES
+from chord_usd.line.lists.programme import programme_of
+from chord_usd.line.lists.ranking import Ranking
 from chord_usd.line.lists.vocabulary import END, NOTHING, Element, sequence_of
 from chord_usd.line.lists.wishes import Asked, Piece
 from chord_usd.workshop.data.furnish import furnish
@@ -273,3 +287,56 @@ def test_pieces_that_part_the_doors_of_a_room_are_a_fault() -> None:
     along = replace(across, box=Box((3.0, 1.1, 0.0), (0.9, 0.3, 0.7), 0.0))
     for item, shut in ((across, 1), (along, 0)):
         assert ways_shut(SceneGraph((hall,), doors, (item,)), hall) == shut
+
+
+def test_a_home_is_planned_for_those_who_sleep_in_it() -> None:
+    def room(name: str, kind: RoomKind, x: float, wide: float) -> Room:
+        corners = frozen_array([(x, 0), (x + wide, 0), (x + wide, 4), (x, 4)])
+        return Room(name, kind, corners)
+
+    rooms = (
+        room("hall", "corridor", 0, 1.5), room("living", "living", 2, 5),
+        room("one", "bedroom", 8, 3), room("two", "bedroom", 12, 2),
+        room("bath", "bathroom", 15, 2),
+    )  # fmt: skip
+    front = Opening("front", "door", Box((0.7, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("hall",))
+    programme = programme_of(rooms, [front])
+    assert programme["living"].count("chair") == 3, "two in the larger bedroom, another in the next"
+    assert {"sofa", "tv_cabinet", "dining_table"} <= set(programme["living"])
+    assert programme["one"].count("bedside_table") == 2
+    assert programme["two"].count("bedside_table") == 1
+    assert (programme["hall"], programme["bath"]) == (("shoe_cabinet",), ("washing_machine",))
+
+
+def test_the_draft_that_breaks_fewest_rules_is_taken() -> None:
+    """A bed under the window with a door at its foot is drawn as likely as the other."""
+    corners = frozen_array([(0, 0), (4, 0), (4, 4), (0, 4)])
+    room = Room("room", "bedroom", corners)
+    openings = (
+        Opening("w", "window", Box((-0.12, 2.0, 0.9), (1.2, 0.24, 1.2), 90.0), ("room",)),
+        Opening("d", "door", Box((4.12, 2.0, 0.0), (0.9, 0.24, 2.1), 90.0), ("room",)),
+    )
+    beds = {
+        "under": Item("bed", "bed", Box((1.05, 2.0, 0.0), (1.6, 2.1, 1.0), 90.0), "room"),
+        "beside": Item("bed", "bed", Box((2.0, 2.95, 0.0), (1.6, 2.1, 1.0), 0.0), "room"),
+    }
+    for order in (("under", "beside"), ("beside", "under")):
+        ranking = Ranking(SceneGraph((room,), openings, ()), [room], [Asked()])
+        ranking.weigh({0: [[beds[name]] for name in order]})
+        assert list(ranking.chosen()) == [beds["beside"]]
+
+
+def test_a_step_into_a_wall_or_another_piece_is_mended() -> None:
+    corners = frozen_array([(0, 0), (4, 0), (4, 4), (0, 4)])
+    room = Room("room", "bedroom", corners)
+    boxes = (((2.0, 2.95, 0.0), (1.6, 2.1, 1.0)), ((1.0, 3.85, 0.0), (0.5, 0.4, 0.5)))
+    items = tuple(
+        Item(name, name, Box(*box, 0.0), "room")
+        for name, box in zip(("bed", "bedside_table"), boxes, strict=True)
+    )
+    view = View(shells((room,), ())["room"], items)
+    assert conflicts(view).max() > 0.04
+    after = mended(view)
+    assert conflicts(after).max() < 0.01
+    moved = np.abs(after.at - view.at)
+    assert moved.max() < 0.3

@@ -25,10 +25,11 @@ from chord_usd.line.lists.pieces import (
     rooms_around,
     segments_of,
 )
+from chord_usd.line.lists.programme import Programme, programme_of
 from chord_usd.line.lists.ranking import Ranking
 from chord_usd.line.lists.wishes import Asked, Piece
 
-WISHED = 2
+WISHED = 4
 """Times as many drafts."""
 
 NEW_PLACES = Heat(places=0.6)
@@ -75,7 +76,9 @@ def furnish_by_lists(
     wishes = [(asked or {}).get(room.id, Asked()) for room, _ in jobs]
     rng = np.random.default_rng(drafts.seed)
     clear = ClearFloors(list(clearances(plan.rooms, plan.openings)))
-    table = _Table(jobs, wishes, drawer, drafts, rng, clear)
+    table = _Table(
+        jobs, wishes, drawer, drafts, rng, clear, programme_of(plan.rooms, plan.openings)
+    )
     ranking = Ranking(house, [room for room, _ in jobs], wishes)
     ranking.weigh(table.told(table.whole()))
     short = [at for at in range(len(jobs)) if drafts.count > 1 and ranking.lacks(at)]
@@ -93,13 +96,25 @@ class _Table:
     drafts: Drafts
     rng: np.random.Generator
     clear: ClearFloors
+    programme: Programme
 
     def whole(self) -> dict[int, list[Drawn]]:
         """Lists of every room: what it holds, and where."""
         order = [
-            (at, self._subject(at)) for at in range(len(self.jobs)) for _ in range(self._count(at))
-        ]
+            (at, self._planned(at) if nth % 2 else self._subject(at))
+            for at in range(len(self.jobs)) for nth in range(self._count(at))
+        ]  # fmt: skip
         return self._lengthened(self._drawn(order))
+
+    def _planned(self, at: int) -> Subject:
+        """With what the home needs in a room, unless somebody says what it shall hold."""
+        room, around = self.jobs[at]
+        asked = self.wishes[at]
+        if asked.wanted or asked.kept:
+            return self._subject(at)
+        needed = (Piece(name) for name in self.programme.get(room.id, ())
+                  if name not in asked.excluded)  # fmt: skip
+        return _subject(around, replace(asked, wanted=tuple(needed)))
 
     def of_their_kind(self, due: Sequence[int]) -> dict[int, list[Drawn]]:
         """Lists of what rooms of their kind need alone. A room of a size that is rare for its kind

@@ -15,7 +15,7 @@ from chord_usd.base.metrics.design.price import conflicts
 from chord_usd.base.metrics.design.shell import TOUCH_M
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.scene.palette import CATEGORIES
-from chord_usd.base.scene.types import Box, Item
+from chord_usd.base.scene.types import Box, FloatArray
 
 MOST_M = 0.2
 TIMES = 6
@@ -29,11 +29,11 @@ def mended(view: View) -> View:
     deep = conflicts(view)
     stuck: set[int] = set()
     for _ in range(TIMES):
-        due = [at for at, depth in enumerate(deep)
-               if TOUCH_M < depth <= MOST_M and at not in stuck]  # fmt: skip
-        if not due:
+        worst = np.where((deep > TOUCH_M) & (deep <= MOST_M), deep, 0.0).max(axis=1, initial=0.0)
+        worst[list(stuck)] = 0.0
+        if not worst.any():
             break
-        at = max(due, key=lambda one: deep[one])
+        at = int(worst.argmax())
         better = _best_change(view, at, deep)
         if better is None:
             stuck.add(at)
@@ -42,18 +42,23 @@ def mended(view: View) -> View:
     return view
 
 
-def _best_change(view: View, at: int, deep: list[float]) -> tuple[View, list[float]] | None:
-    before = sum(deep)
-    partners = [at, *np.flatnonzero(view.depths[at] > TOUCH_M).tolist()]
-    best = None
-    for one in dict.fromkeys(partners):
-        for box in _changes(view.items[one].box, view.categories[one], deep[at]):
+def _best_change(view: View, at: int, deep: FloatArray) -> tuple[View, FloatArray] | None:
+    """Of the piece, or else of those that it is in, the change that leaves least wrong."""
+    best, least = None, float(deep.sum()) - TOUCH_M
+    steps = sorted({float(depth) for depth in deep[at] if TOUCH_M < depth <= MOST_M})
+    for one in dict.fromkeys([at, *np.flatnonzero(view.depths[at] > TOUCH_M).tolist()]):
+        boxes = (
+            box
+            for step in steps
+            for box in _changes(view.items[one].box, view.categories[one], step)
+        )
+        for box in boxes:
             items = list(view.items)
             items[one] = replace(items[one], box=box)
-            tried = replace_items(view, items)
+            tried = View(view.shell, tuple(items), view.screens)
             left = conflicts(tried)
-            if sum(left) < before - TOUCH_M and (best is None or sum(left) < sum(best[1])):
-                best = tried, left
+            if left.sum() < least:
+                best, least = (tried, left), float(left.sum())
         if best is not None:
             break
     return best
@@ -75,8 +80,3 @@ def _changes(box: Box, category: str, depth: float) -> Iterator[Box]:
         for side in (0.5, -0.5):
             dx, dy = (right * step * side).tolist()
             yield replace(box, center_m=(x + dx, y + dy, z), size_m=(length - step, width, height))
-
-
-def replace_items(view: View, items: list[Item]) -> View:
-    """The room with other pieces."""
-    return View(view.shell, tuple(items), view.screens)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from chord_usd.base.metrics.complete import lacking
-from chord_usd.base.metrics.design.price import broken_share, home_price, quick_price, room_price
+from chord_usd.base.metrics.design.price import full_price, home_price, quick_price
 from chord_usd.base.metrics.design.shell import Shell, shells
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
 from chord_usd.base.metrics.violations import room_faults
@@ -59,7 +59,7 @@ class Ranking:
             rooms = [self.rooms[at] for at in tried]
             faults = room_faults(replace(self.house, items=items), rooms, unpainted=True)
             for (at, draft), fault in zip(tried.items(), faults, strict=True):
-                priced = replace(draft, price=room_price(broken_share(draft.view), fault))
+                priced = replace(draft, price=full_price(draft.view, fault))
                 self._best.setdefault(at, []).append(priced)
             settled = {at: self._ranked(at)[0].items for at in self._best}
         for at in few:

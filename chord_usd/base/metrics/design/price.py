@@ -6,8 +6,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
@@ -19,10 +17,10 @@ from chord_usd.base.scene.types import FloatArray
 
 FAULT = 4.0
 """Of violations.room_faults, beside a share of rules: it counts per piece."""
-HOME = 2.0
+HOME = 3.0
 """A home's rules beside those of one room."""
-_TIGHT = 0.02
-"""A pair of pieces in each other, or a piece in a wall, in the quick estimate."""
+_TIGHT = 0.04
+"""A piece in another, in a wall or before an opening; faults weigh how far."""
 
 
 def broken_share(view: View) -> float:
@@ -38,15 +36,16 @@ def home_price(home: HomeView) -> float:
 
 
 def tight(view: View) -> int:
-    """How many pairs of pieces stand in each other, and how many pieces in walls or before
-    openings: an estimate that is fast enough for every draft."""
-    return sum(depth > TOUCH_M for depth in conflicts(view))
+    """How many pieces stand in others, in walls or before openings: an estimate that is fast
+    enough for every draft."""
+    return int((conflicts(view) > TOUCH_M).any(axis=1).sum())
 
 
-def conflicts(view: View) -> list[float]:
-    """How deep each piece is in one before it, before an opening, or beyond its room, metres."""
+def conflicts(view: View) -> FloatArray:
+    """(N, 3) how deep each piece is in one before it, before an opening, and beyond its room,
+    metres."""
     if not view.items:
-        return []
+        return np.zeros((0, 3))
     shell, items = view.shell, view.items
     deep = np.tril(view.depths, -1)
     for at, other in np.argwhere(deep > TOUCH_M):
@@ -55,9 +54,8 @@ def conflicts(view: View) -> list[float]:
     blocks = view.rects.depths(shell.clear)
     lows = np.array([CATEGORIES[name].height_m[0] for name in view.categories])
     blocks[lows[:, None] <= shell.clear_from_m] = 0.0
-    worst = np.maximum(deep.max(axis=1), blocks.max(axis=1, initial=0.0))
-    found: list[float] = np.maximum(worst, beyond_walls(view)).tolist()
-    return found
+    each = (deep.max(axis=1), blocks.max(axis=1, initial=0.0), beyond_walls(view))
+    return np.stack(each, axis=1)
 
 
 def beyond_walls(view: View) -> FloatArray:
@@ -77,11 +75,6 @@ def quick_price(view: View) -> float:
     return broken_share(view) + _TIGHT * tight(view)
 
 
-def room_price(share: float, fault: float) -> float:
-    """What a room costs. share: of rules broken; fault: of violations.room_faults."""
-    return share + FAULT * fault
-
-
-def broken_shares(home: HomeView) -> Iterable[tuple[str, float]]:
-    """Id and share of every room of a home."""
-    return ((view.shell.room.id, broken_share(view)) for view in home.rooms)
+def full_price(view: View, fault: float) -> float:
+    """What a room costs. fault: of violations.room_faults."""
+    return quick_price(view) + FAULT * fault

@@ -1,0 +1,62 @@
+"""The programme of a home: which pieces its rooms hold so that those who sleep there can also eat,
+sit, wash, and hang up their coats. Follows from the plan alone, before any room is furnished."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from chord_usd.base.metrics.design.home_rules import MOST_DINERS
+from chord_usd.base.metrics.rooms import stands_in
+from chord_usd.base.metrics.walk import entrance, rooms_beside
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.types import Opening, Room, RoomKind, SceneGraph
+
+DOUBLE_M2 = 9.0
+"""A bedroom at least so large is for two."""
+EATEN_IN: tuple[RoomKind, ...] = ("dining", "living", "kitchen")
+"""Kinds of room that a dining table stands in, the likeliest first."""
+WASHED_IN: tuple[RoomKind, ...] = ("balcony", "bathroom", "kitchen")
+TABLE_M2 = 9.0
+"""A room of another kind takes a dining table from this size on."""
+LAUNDRY_M2 = 3.5
+"""A bathroom takes a washing machine from this size on."""
+
+Programme = dict[str, tuple[str, ...]]
+"""By room id, categories of pieces, as often as they are needed."""
+
+
+def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programme:
+    """What each room of a home holds at least."""
+    areas = {room.id: float(room_polygon(room).area) for room in rooms}
+    found: dict[str, list[str]] = {room.id: [] for room in rooms}
+    largest: dict[RoomKind, Room] = {}
+    for room in sorted(rooms, key=lambda one: -areas[one.id]):
+        largest.setdefault(room.kind, room)
+    sleepers = 0
+    for room in rooms:
+        if room.kind == "bedroom":
+            double = areas[room.id] >= DOUBLE_M2
+            sleepers += 2 if double else 1
+            found[room.id] += ["bed", "cabinet", *["bedside_table"] * (2 if double else 1)]
+        if room.kind == "store":
+            found[room.id].append("cabinet")
+        if room.kind == "kitchen":
+            found[room.id] += ["sink_cabinet", "cooker_cabinet", "refrigerator"]
+    if "living" in largest:
+        found[largest["living"].id] += ["sofa", "tv_cabinet", "coffee_table", "single_sofa"]
+    eaten = next((largest[kind] for kind in EATEN_IN if kind in largest
+                  and (kind == "dining" or areas[largest[kind].id] >= TABLE_M2)), None)  # fmt: skip
+    if eaten is not None:
+        diners = min(max(2, sleepers), MOST_DINERS)
+        found[eaten.id] += ["dining_table", *["chair"] * diners]
+    washed = next((largest[kind] for kind in WASHED_IN if kind in largest
+                   and (kind != "bathroom" or areas[largest[kind].id] >= LAUNDRY_M2)
+                   and stands_in("washing_machine", kind)), None)  # fmt: skip
+    if washed is not None:
+        found[washed.id].append("washing_machine")
+    front = entrance(SceneGraph(tuple(rooms), tuple(openings), ()))
+    if front is not None:
+        hall = next(room for room in rooms_beside([front], rooms)[0] if room is not None)
+        if stands_in("shoe_cabinet", hall.kind):
+            found[hall.id].append("shoe_cabinet")
+    return {room_id: tuple(own) for room_id, own in found.items() if own}
