@@ -31,11 +31,11 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.line.lists import pieces
+from chord_usd.line.lists.home_programme import programme_of
 from chord_usd.line.lists.house import Drafts, furnish_by_lists
 from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Drawn, ListDrawer, Subject
 from chord_usd.line.lists.mend import mended
 from chord_usd.line.lists.pieces import PIECES
-from chord_usd.line.lists.programme import programme_of
 from chord_usd.line.lists.ranking import Ranking
 from chord_usd.line.lists.vocabulary import END, NOTHING, Element, sequence_of
 from chord_usd.line.lists.wishes import Asked, Piece

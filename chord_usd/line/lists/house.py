@@ -13,6 +13,7 @@ from chord_usd.base.metrics.design import ROOM_RULES
 from chord_usd.base.metrics.rooms import stands_in
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import ROOM_KINDS, Item, Plan, Room, SceneGraph
+from chord_usd.line.lists.home_programme import Programme, programme_of
 from chord_usd.line.lists.list_sampler import HEAT, Drawer, Drawn, Heat, Subject, without
 from chord_usd.line.lists.piece_words import ANY_M
 from chord_usd.line.lists.pieces import (
@@ -25,7 +26,6 @@ from chord_usd.line.lists.pieces import (
     rooms_around,
     segments_of,
 )
-from chord_usd.line.lists.programme import Programme, programme_of
 from chord_usd.line.lists.ranking import Ranking
 from chord_usd.line.lists.wishes import Asked, Piece
 
