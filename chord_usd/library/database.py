@@ -53,6 +53,12 @@ OWN_FIRST_M = 0.25
 _BARE, _OFFICE = "Bare", "Office"
 """A word in the ids of pieces whose likes carry something that hides what is behind them."""
 
+VARIETIES: Mapping[str, str] = {
+    "dishwasher": "Dishwasher", "corner left": "CornerLeft", "corner right": "CornerRight",
+}  # fmt: skip
+"""A word in the ids of assets that stand for units of kitchens of one variety, and for no other
+piece (compose.cut.Variety)."""
+
 STRANGE_FORM_M = 0.3
 """A form of another style is taken where it misses the size by so much less."""
 
@@ -96,6 +102,7 @@ class AssetDatabase:
         most_height_m: float | None = None,
         *,
         at_desk: bool = True,
+        variety: str | None = None,
     ) -> Asset:
         """The asset an item of this category and size (length, width, height) is given.
 
@@ -104,7 +111,7 @@ class AssetDatabase:
         asset of the user's own is taken unless a shipped one is more than OWN_FIRST_M nearer.
         most_height_m: what stands before a window is no higher, where the category has that; of
         cabinets with and without a television those without stand there, and only there. at_desk:
-        elsewhere no chair swivels.
+        elsewhere no chair swivels. variety: of a unit of a composed kitchen (VARIETIES).
         Raises AssetError where the category has no asset, SceneError for a name not in the palette.
         """
         candidates = self.of_category(name)
@@ -121,6 +128,8 @@ class AssetDatabase:
         if most_height_m is not None:
             low = [asset for asset in candidates if asset.size_m[2] <= most_height_m]
             candidates = tuple(low) or candidates
+        word = VARIETIES.get(variety or "")
+        candidates = tuple(a for a in candidates if _variety_of(a) == word) or candidates
         best = min(candidates, key=lambda asset: self._key(asset, size_m))
         brought = [asset for asset in candidates if asset.id in self.own]
         if brought:
@@ -158,6 +167,12 @@ class AssetDatabase:
             raise KeyError(asset_id)
         self.prepare(asset)
         return asset
+
+
+def _variety_of(asset: Asset) -> str | None:
+    """The word of VARIETIES in its id."""
+    words = asset.id.split("_")
+    return next((word for word in VARIETIES.values() if word in words), None)
 
 
 def _is_bare(asset: Asset) -> bool:

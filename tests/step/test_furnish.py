@@ -11,6 +11,7 @@ import shapely
 
 from chord_usd.base.metrics.clear_floor import blocked_openings
 from chord_usd.base.metrics.complete import homely_rooms, is_complete
+from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS, unit_gaps
 from chord_usd.base.scene.geometry import (
     footprint,
     footprint_polygon,
@@ -136,25 +137,24 @@ def test_chairs_face_the_table_they_touch(houses: list[SceneGraph]) -> None:
 
 
 def test_kitchen_runs_have_no_gaps(houses: list[SceneGraph]) -> None:
-    """Modules along one wall touch; only the wall's own ends may leave a slit.
-
-    Appliances that found no place in the row stand alone, and so do sink and cooker of a kitchen
-    that is too small for a row.
-    """
-    runs = blocks = 0
+    """Units along one wall touch, and no run is without sink, cooker and refrigerator."""
+    runs = whole = 0
     for graph in houses:
         for room in graph.rooms:
-            if room.kind == "kitchen":
-                modules = [
-                    footprint_polygon(item.box)
-                    for item in graph.items_of(room.id)
-                    if item.category not in ("refrigerator", "washing_machine")
-                ]
-                block = shapely.unary_union([m.buffer(1e-4, join_style="mitre") for m in modules])
-                runs += bool(modules)
-                blocks += block.geom_type == "Polygon"
+            units = [item for item in graph.items_of(room.id) if item.category in KITCHEN_UNITS]
+            if room.kind != "kitchen" or not units:
+                continue
+            assert not list(unit_gaps(units, room_polygon(room)))
+            shapes = [footprint_polygon(i.box).buffer(1e-4, join_style="mitre") for i in units]
+            centres = [
+                shape for shape, item in zip(shapes, units, strict=True)
+                if item.category in ("sink_cabinet", "cooker_cabinet", "refrigerator")
+            ]  # fmt: skip
+            for block in shapely.get_parts(shapely.unary_union(shapes)):
+                runs += 1
+                whole += any(block.intersects(shape) for shape in centres)
     assert runs > HOUSES / 3
-    assert blocks >= 0.98 * runs
+    assert whole >= 0.98 * runs
 
 
 def test_ids_are_unique_and_name_room_and_category(houses: list[SceneGraph]) -> None:

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from chord_usd.base.scene.types import Room, frozen_array
 from chord_usd.workshop.data.furnish.floor import Door, Floor
-from chord_usd.workshop.data.furnish.modules import pack
 from chord_usd.workshop.data.furnish.walkways import _flooded, path_faults
 
 L_SHAPE = [(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (2.5, 2.0), (2.5, 4.0), (0.0, 4.0)]
@@ -86,25 +85,6 @@ def test_a_way_past_furniture_needs_two_feet(gap_m: float, passes: bool) -> None
     floor.put("sofa", floor.walls[0], 3.0, (0.5, depth, 1.0))
     floor.doors.append(Door(floor.walls[3], 1.0, 1.9, True, None))
     assert (path_faults(floor) == 0) is passes
-
-
-@settings(max_examples=200, deadline=None)
-@given(
-    length=st.floats(0.3, 6.0),
-    window=st.one_of(st.none(), st.floats(0.0, 6.0)),
-    seed=st.integers(0, 99),
-    blind=st.booleans(),
-)
-def test_kitchen_modules_fill_their_run(length, window, seed, blind) -> None:
-    wanted = {"sink_cabinet", "cooker_cabinet", "refrigerator"}
-    if blind and length < 0.95:
-        return
-    modules = pack(random.Random(seed), length, wanted, window, blind, False, 0.6, 0.95)
-    total = sum(module.length_m for module in modules)
-    assert total <= length + 1e-6
-    assert length - total < 0.3
-    if length >= 2.5:
-        assert {"sink_cabinet", "cooker_cabinet"} <= {module.category for module in modules}
 
 
 @given(st.integers(3, 14), st.integers(3, 14), st.data())

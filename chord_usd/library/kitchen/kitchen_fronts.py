@@ -16,7 +16,7 @@ import numpy as np
 
 from chord_usd.library.kit.joinery import FRONT_M, HANDLE_M, Cell, hung, knob
 from chord_usd.library.kit.model import Part, moving_part
-from chord_usd.library.kit.moves import door, drawer
+from chord_usd.library.kit.moves import door, drawer, flap
 from chord_usd.library.kit.solids import (
     Solid,
     box,
@@ -39,6 +39,8 @@ FORM_STYLES: dict[FrontForm, tuple[str, ...]] = {
 CHANNEL_M = 0.02
 """Height of the gap into which fingers reach."""
 
+_FALLS_DEG = 88.0
+
 _RAIL_M, _SUNK_M = 0.062, 0.008
 _SLAT_M, _SLAT_GAP_M = 0.022, 0.007
 
@@ -50,20 +52,22 @@ def reach_m(form: FrontForm) -> float:
 
 def kitchen_fronts(
     face: Sequence[Cell], y_m: float, form: FrontForm, *, drawers: bool = False, low: bool = False,
-    name: str = "",
+    name: str = "", falls: bool = False,
 ) -> tuple[Part, ...]:  # fmt: skip
     """Fronts over these cells, their backs in the plane y_m, with what opens them.
 
-    low: handles at the lower end, as on wall cabinets. Parts are called Doors or Drawers, or name.
+    low: handles at the lower end, as on wall cabinets. falls: they have the handles of drawers and
+    fall open about their lower edge. Parts are called Doors or Drawers, or name.
     """
     name = name or ("Drawers" if drawers else "Doors")
     channelled = form in ("handleless", "slatted")
     seen = [_short(cell, low=low) for cell in face] if channelled else list(face)
     panels = [_front(cell, y_m, form) for cell in seen]
     leaves = [
-        drawer(panel) if drawers else door(panel, hung=hung(cell))
+        flap(panel, opens_deg=_FALLS_DEG) if falls
+        else drawer(panel) if drawers else door(panel, hung=hung(cell))
         for cell, panel in zip(face, panels, strict=True)
-    ]
+    ]  # fmt: skip
     parts = [moving_part(name, panels, "front", leaves)]
     if channelled:
         strips = [
@@ -73,7 +77,7 @@ def kitchen_fronts(
             for cell in face
         ]
         return (*parts, moving_part(f"{name}_Channels", strips, "channel", leaves, None))
-    grips = [_grip(cell, y_m, form, drawer=drawers, low=low) for cell in face]
+    grips = [_grip(cell, y_m, form, drawer=drawers or falls, low=low) for cell in face]
     stem = name.removesuffix("s")
     return (*parts, moving_part(f"{stem}_Handles", grips, "handle", leaves, None))
 

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from chord_usd.library.bath.taps import SinkTap, sink_tap
-from chord_usd.library.kit.joinery import FRONT_M, cells, felt_around, plinth
+from chord_usd.library.kit.joinery import FRONT_M, cells, felt_around, plinth, shifted
 from chord_usd.library.kit.model import Design, Draw, Part, Style, editions, hollow_part, steps
 from chord_usd.library.kit.solids import Size, block, box, extruded, joined, ring
 from chord_usd.library.kitchen.kitchen_appliances import hob, microwave, oven, refrigerator
@@ -30,6 +30,11 @@ PLINTH_M = 0.1
 HEIGHT_M = 0.87
 _OVERHANG_M = 0.018
 """Least distance between fronts and the edge of the worktop."""
+
+CORNER_M = 0.6
+"""Of a cabinet in a corner that the other run hides."""
+CORNER_FILLER_M = 0.05
+"""Beside that, so that doors and drawers pass each other's handles."""
 
 _APRON_M = 0.225
 _DRAINER_FROM_M = 0.88
@@ -110,6 +115,48 @@ def drawer_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
     return (
         *form.body(size_m),
         *kitchen_fronts(face, form.face_y(width), form.fronts, drawers=True),
+        form.worktop(size_m),
+    )
+
+
+def pull_out_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
+    """A narrow base cabinet that is drawn out whole."""
+    length, width, _ = size_m
+    face = list(cells(length, form.fronts_height(size_m), 1, z_m=PLINTH_M + 0.002))
+    return (
+        *form.body(size_m),
+        *kitchen_fronts(face, form.face_y(width), form.fronts, drawers=True),
+        form.worktop(size_m),
+    )
+
+
+def corner_cabinet(size_m: Size, *, form: _Form, hidden: int) -> tuple[Part, ...]:
+    """A base cabinet in the corner of two runs: one depth of it is hidden, a door opens the rest.
+
+    hidden: 1 where that is at its right end (own x), -1 at its left one.
+    """
+    length, width, _ = size_m
+    y, tall = form.face_y(width), form.fronts_height(size_m)
+    blind = CORNER_M + CORNER_FILLER_M
+    whole = list(cells(length - blind, tall, 1, z_m=PLINTH_M + 0.002))
+    filler = block((CORNER_FILLER_M + 0.002, FRONT_M, tall - 0.004), 0.0015).moved(
+        hidden * (length / 2 - CORNER_M - CORNER_FILLER_M / 2), y - FRONT_M / 2, PLINTH_M + 0.004
+    )
+    return (
+        *form.body(size_m),
+        *kitchen_fronts(shifted(whole, -hidden * blind / 2), y, form.fronts),
+        Part("Filler", filler, "front", collider=None),
+        form.worktop(size_m),
+    )
+
+
+def dishwasher(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
+    """A dishwasher behind a front of the kitchen, which falls open."""
+    length, width, _ = size_m
+    face = list(cells(length, form.fronts_height(size_m), 1, z_m=PLINTH_M + 0.002))
+    return (
+        *form.body(size_m),
+        *kitchen_fronts(face, form.face_y(width), form.fronts, falls=True, name="Dishwasher_Door"),
         form.worktop(size_m),
     )
 
@@ -266,6 +313,7 @@ def electrical_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
 
 
 _DEPTHS_M = (0.55, 0.6)
+_CORNERS_M = (0.9, 1.0, 1.1)
 
 
 def _cabinets() -> Iterator[Design]:
@@ -291,17 +339,26 @@ def _cabinets() -> Iterator[Design]:
             style("Cooker_Glass", drawn(cooker_cabinet, gas=False)),
         )
         cookers = cookers[::-1] if form.fronts in ("handleless", "slatted") else cookers
-        ovens = (
-            style("Oven_Low", drawn(electrical_cabinet)),
-            style("Oven_Tall", drawn(electrical_cabinet), 2.1),
-        )
+        low, tall = (style("Oven_Low", drawn(electrical_cabinet)),
+                     style("Oven_Tall", drawn(electrical_cabinet), 2.1))  # fmt: skip
+        corners = [
+            style(f"Corner{side}", drawn(corner_cabinet, hidden=hidden))
+            for side, hidden in (("Left", -1), ("Right", 1))
+        ]
         yield from editions("single_door_floor_cabinet", single, (0.32, 0.4, 0.48, 0.55), _DEPTHS_M)
         yield from editions("double_door_floor_cabinet", double, steps(0.6, 1.1), _DEPTHS_M)
         yield from editions("cooker_cabinet", cookers, (0.61, 0.7, 0.8, 0.9), _DEPTHS_M)
         yield from editions(
             "sink_cabinet", (style("Sink", drawn(sink_cabinet)),), steps(0.6, 1.1), _DEPTHS_M
         )
-        yield from editions("electrical_floor_cabinet", ovens, (0.6, 0.66), _DEPTHS_M)
+        yield from editions("electrical_floor_cabinet", (low, tall), (0.6, 0.66), _DEPTHS_M)
+        yield from editions("electrical_floor_cabinet", (tall, low), (0.6,), _DEPTHS_M)
+        yield from editions("electrical_floor_cabinet", (style("Dishwasher", drawn(dishwasher)),),
+                            (0.45, 0.6), _DEPTHS_M)  # fmt: skip
+        pull_out = style("Pull_Out", drawn(pull_out_cabinet))
+        yield from editions("single_door_floor_cabinet", (pull_out,), (0.15, 0.2), _DEPTHS_M)
+        for corner in corners:
+            yield from editions("double_door_floor_cabinet", (corner,), _CORNERS_M, (0.6,))
 
 
 _FRIDGE = Style("Refrigerator", refrigerator, FRIDGE_LOOKS, 1.85)

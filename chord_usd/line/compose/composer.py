@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.trim import DRIP_M
 from chord_usd.base.scene.types import WALL_THICKNESS_M, Item, Room, SceneGraph
 from chord_usd.line.compose.cut import Unit, units_of
-from chord_usd.line.compose.search import Wanted, cheapest
+from chord_usd.line.compose.search import EFFORT, Hint, Wanted, cheapest
 from chord_usd.line.compose.site import Site, site_of
 
 DEPTHS_M = 0.6, 0.55, 0.5
@@ -29,23 +29,25 @@ def compose(
     room: Room,
     seed: int,
     *,
-    hints: Iterable[Item] = (),
+    hints: Sequence[Hint] = (),
     stays: Collection[Item] = (),
     without: Collection[str] = frozenset(),
+    effort: int = EFFORT,
 ) -> list[Unit]:
     """Units for a room of a house, [] where no run fits in.
 
-    hints: units that lists or a picture have placed: walls and extents are taken from them where
-    numbers allow. stays: pieces that units stand beside; other pieces may move, and are paid for.
-    without: categories that are not wanted.
+    hints: where lists, a picture or a drawing have units: walls and extents are taken from them
+    where numbers allow. stays: pieces that units stand beside; other pieces may move, and are paid
+    for. without: categories that are not wanted. effort: shapes that are looked at.
     """
     held = {item.id for item in stays}
     moves = [item for item in house.items_of(room.id)
              if item.category not in KITCHEN_UNITS and item.id not in held]  # fmt: skip
     site = site_of(house, room, stays, moves)
-    own = tuple((item.category, *item.box.center_m[:2]) for item in hints)
-    wanted = Wanted("refrigerator" not in without, "electrical_floor_cabinet" not in without, own,
-                    worktop_height(site))  # fmt: skip
+    wanted = Wanted(
+        "refrigerator" not in without, "electrical_floor_cabinet" not in without, tuple(hints),
+        worktop_height(site), effort,
+    )  # fmt: skip
     rng = np.random.default_rng(seed)
     best: tuple[int, list[Unit]] | None = None
     for found in cheapest(site, wanted, rng, DEPTHS_M)[:_LOOKED_AT]:

@@ -24,8 +24,8 @@ from chord_usd.line.compose.widths import (
     splits,
 )
 
-Variety = Literal["", "corner", "dishwasher", "tower", "island"]
-"""What a unit is beyond its category."""
+Variety = Literal["", "corner left", "corner right", "dishwasher", "tower", "island"]
+"""What a unit is beyond its category; of one in a corner, which end is hidden (own x)."""
 
 SINGLE, DOUBLE = "single_door_floor_cabinet", "double_door_floor_cabinet"
 APPLIANCE = "electrical_floor_cabinet"
@@ -147,10 +147,10 @@ def _gap(
         if doors is None:
             return
         if corners[0]:
-            first.append(_Slot(DOUBLE, low, low + run.hidden + doors[0], "corner"))
+            first.append(_Slot(DOUBLE, low, low + run.hidden + doors[0], "corner right"))
             low += run.hidden + doors[0]
         if corners[1]:
-            last.append(_Slot(DOUBLE, high - run.hidden - doors[1], high, "corner"))
+            last.append(_Slot(DOUBLE, high - run.hidden - doors[1], high, "corner left"))
             high -= run.hidden + doors[1]
     if washing is not None:
         width = next((w for w in DISHWASHERS if high - low >= w and FITS[high - low - w]), None)

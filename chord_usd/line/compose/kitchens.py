@@ -55,7 +55,8 @@ def composed_kitchens(
         if room.kind != "kitchen":
             stay += [item for item in own if item.category not in KITCHEN_UNITS]
         units = compose(
-            house, room, seed + 7919 * numbers[room.id], hints=placed, stays=stay,
+            house, room, seed + 7919 * numbers[room.id], stays=stay,
+            hints=[(item.category, *item.box.center_m[:2]) for item in placed],
             without=frozenset(shut_out),
         )  # fmt: skip
         if units:

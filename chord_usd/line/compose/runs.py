@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import product
 from typing import Literal
 
 import numpy as np
+import shapely
 
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.line.compose.site import Site, Span, Wall
@@ -53,10 +56,15 @@ class Run:
         """Where it ends along the wall."""
         return self.low + self.cells * CELL_M + self.slack
 
-    @property
+    @cached_property
     def corners(self) -> FloatArray:
         """(4, 2) of its footprint."""
         return self.wall.rectangle(self.low, self.high, 0.0, self.depth)
+
+    @cached_property
+    def footprint(self) -> shapely.Polygon:
+        """The floor that it stands on."""
+        return shapely.Polygon(self.corners)
 
     @property
     def hidden(self) -> int:
@@ -90,8 +98,8 @@ def shapes(site: Site, depth: float, height: float) -> Iterator[Shape]:
     for index, one in enumerate(every):
         for other in every[index + 1 :]:
             if _faces(one, other, depth):
-                for first in _cut(one.run(depth)):
-                    yield from (Shape("galley", (first, run)) for run in _cut(other.run(depth)))
+                both = product(_cut(one.run(depth)), _cut(other.run(depth)))
+                yield from (Shape("galley", runs) for runs in both)
     pairs = [(one, other) for one in every for other in every if _meets(one, other)]
     for one, other in pairs:
         yield from _corner(one, other, depth)
@@ -181,9 +189,7 @@ def _corner(one: _Stretch, other: _Stretch, depth: float) -> Iterator[Shape]:
 
 
 def _ls(one: Run, other: Run) -> Iterator[Shape]:
-    for first in _cut(one):
-        for second in _cut(other):
-            yield Shape("L", (first, second))
+    yield from (Shape("L", runs) for runs in product(_cut(one), _cut(other)))
 
 
 def _two_corners(one: _Stretch, middle: _Stretch, other: _Stretch, depth: float) -> Iterator[Shape]:
@@ -199,8 +205,8 @@ def _two_corners(one: _Stretch, middle: _Stretch, other: _Stretch, depth: float)
     right = _run(
         other.wall, (other.low + depth, other.high), depth, ("beside corner", last.ends[1])
     )
-    for begins in _cut(left):
-        yield from (Shape("U", (begins, along, ends)) for ends in _cut(right))
+    for begins, ends in product(_cut(left), _cut(right)):
+        yield Shape("U", (begins, along, ends))
 
 
 def seen(site: Site, shape: Shape) -> Shape:

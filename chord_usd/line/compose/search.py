@@ -26,8 +26,8 @@ LIKING = 0.5
 """Most that a place of sink and cooker does."""
 _GOOD = 12.0
 """Cost of a kitchen that misses no more than two numbers or so; less deep units gain little."""
-_SHAPES = 40
-"""Looked at, the most promising first."""
+EFFORT = 40
+"""Shapes looked at, the most promising first."""
 COOKER_CELLS = 12
 SINK_CELLS = 12, 16
 """The wider one where there is much worktop."""
@@ -41,6 +41,10 @@ _WALL_CELLS = 3
 """Between cooker and side wall."""
 
 
+Hint = tuple[str, float, float]
+"""Category and middle, world metres, of a unit that somebody has placed."""
+
+
 @dataclass(frozen=True)
 class Wanted:
     """What a kitchen is to hold, and where it is known to stand."""
@@ -48,9 +52,10 @@ class Wanted:
     refrigerator: bool = True
     appliances: bool = True
     """A dishwasher and an oven tower."""
-    hints: tuple[tuple[str, float, float], ...] = ()
-    """Category and middle, world metres, of units that somebody has placed."""
+    hints: tuple[Hint, ...] = ()
     height: float = 0.87
+    """Of worktops."""
+    effort: int = EFFORT
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +96,7 @@ def search(site: Site, wanted: Wanted, depth: float, rng: np.random.Generator) -
         options.append((least, len(options), shape))
     options.sort(key=lambda one: one[:2])
     best, found = np.inf, []
-    for least, _, bare in options[:_SHAPES]:
+    for least, _, bare in options[: wanted.effort]:
         if least > best:
             break
         shape = seen(site, bare)
@@ -111,7 +116,7 @@ def search(site: Site, wanted: Wanted, depth: float, rng: np.random.Generator) -
 def _shape_cost(site: Site, shape: Shape, wanted: Wanted) -> float:
     """What a shape costs wherever its units stand."""
     area = site.area_m2
-    runs = [shapely.Polygon(run.corners) for run in shape.runs]
+    runs = [run.footprint for run in shape.runs]
     length = sum(run.cells for run in shape.runs) * CELL_M
     cost = float(short(length, prices.worktop_m(area), price("worktop", area)))
     tall_m = 0.6 if wanted.refrigerator else 0.0
@@ -121,9 +126,9 @@ def _shape_cost(site: Site, shape: Shape, wanted: Wanted) -> float:
     if site.pieces:
         over = sum(run.intersection(piece).area for run in runs for piece in site.pieces)
         cost += price("piece in place", area) * min(1.5, 2.0 * over)
-    for way in site.ways:
-        line = shapely.LineString(way)
-        cost += price("way shut", area) * any(line.intersection(run).length > 0.1 for run in runs)
+    cost += price("way shut", area) * sum(
+        any(line.intersection(run).length > 0.1 for run in runs) for line in site.way_lines
+    )
     if wanted.hints:
         walls = shapely.union_all(runs)
         away = [min(walls.distance(shapely.Point(x, y)), 1.5) for _, x, y in wanted.hints]

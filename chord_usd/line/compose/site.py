@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -111,6 +112,11 @@ class Site:
     """What stands there and may move."""
     sills: tuple[float, ...]
     """Of the windows."""
+
+    @cached_property
+    def way_lines(self) -> tuple[shapely.LineString, ...]:
+        """The ways as lines."""
+        return tuple(shapely.LineString(way) for way in self.ways)
 
     def clear_m(self, points_m: FloatArray, ahead: FloatArray, extra: FloatArray) -> FloatArray:
         """(N,) how far one sees from points in one direction. extra: (K, 2, 2) further edges."""

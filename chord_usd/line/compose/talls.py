@@ -11,7 +11,7 @@ import shapely
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.line.compose.prices import LANDING_M, NARROW_AISLE_M, price, short, worktop_m
 from chord_usd.line.compose.runs import CELL_M, Run, Shape
-from chord_usd.line.compose.site import Site, Wall
+from chord_usd.line.compose.site import TOUCH_M, Site, Wall
 
 TALL_DEPTH_M = 0.6
 TALL_HEIGHT_M = 2.1
@@ -19,6 +19,8 @@ TALL_CELLS = 12
 _TOWER_FROM_M2 = 7.5
 _TOWER_SPARES_M = 0.2
 """A tower stands where there is so much more worktop than is needed."""
+_BESIDE_M2 = 0.02
+"""Of the floor before a run, what may stand on it at most."""
 _ALONE = 10
 """Places apart from the runs that are looked at."""
 
@@ -109,13 +111,15 @@ def _apart(site: Site, shape: Shape) -> Iterator[Talls]:
         shapely.Polygon(run.wall.rectangle(run.low, run.high, 0.0, run.depth + NARROW_AISLE_M))
         for run in shape.runs
     ])  # fmt: skip
+    stood_on = shapely.union_all([run.footprint for run in shape.runs])
     length = TALL_CELLS * CELL_M
     found = []
     for wall in site.walls:
         for a, b in wall.spans(TALL_DEPTH_M, TALL_HEIGHT_M, length):
             for low in dict.fromkeys((round(a, 4), round(b - length, 4))):
                 box = shapely.Polygon(wall.rectangle(low, low + length, 0.0, TALL_DEPTH_M))
-                if box.intersection(kept).area < 0.02:
+                is_clear = box.intersection(stood_on).area < TOUCH_M
+                if is_clear and box.intersection(kept).area < _BESIDE_M2:
                     found.append(_one_apart(site, shape, wall, low))
     found.sort(key=lambda one: one.cost)
     yield from found[:_ALONE]
@@ -128,11 +132,11 @@ def _one_apart(site: Site, shape: Shape, wall: Wall, low: float) -> Talls:
              for run in shape.runs]  # fmt: skip
     clear = site.clear_m(points, wall.inward, np.concatenate(sides)).min()
     across = shapely.Polygon(wall.rectangle(low, low + length, TALL_DEPTH_M, TALL_DEPTH_M + 1.22))
-    lands = any(across.intersection(shapely.Polygon(run.corners)).area > 0.5 * LANDING_M * 0.3
+    lands = any(across.intersection(run.footprint).area > 0.5 * LANDING_M * 0.3
                 for run in shape.runs)  # fmt: skip
     cost = price("refrigerator apart", site.area_m2)
     cost += 0.0 if lands else price("landing", site.area_m2)
     cost += float(short(clear, NARROW_AISLE_M, price("aisle", site.area_m2)))
-    beside = min(shapely.Polygon(run.corners).distance(shapely.Point(points[1]))
+    beside = min(run.footprint.distance(shapely.Point(points[1]))
                  for run in shape.runs)  # fmt: skip
     return Talls(None, 0, False, wall, low, points[1], cost + 0.3 * beside, cost)

@@ -62,6 +62,7 @@ class Database(Protocol):
         /,
         *,
         at_desk: bool = True,
+        variety: str | None = None,
     ) -> Asset:
         """The mesh of this category whose size differs least, of those that are low enough.
         at_desk: elsewhere no chair swivels."""
@@ -137,8 +138,9 @@ def _matched(item: Item, database: Database, desks: BaseGeometry) -> Item:
     facts = item.facts
     near = footprint_polygon(item.box).distance(desks) if item.category == "chair" else 0.0
     asset = database.nearest(
-        item.category, item.box.size_m, facts.below_sill_m, at_desk=near < _AT_DESK_M
-    )
+        item.category, item.box.size_m, facts.below_sill_m, at_desk=near < _AT_DESK_M,
+        variety=facts.unit,
+    )  # fmt: skip
     missed_m = float(np.hypot(*np.subtract(asset.size_m[:2], item.box.size_m[:2])))
     # Seen from above nothing tells a height.
     is_guess = bool(facts.source_px) and facts.unit is None

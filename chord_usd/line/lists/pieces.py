@@ -314,7 +314,8 @@ def segments_of(around: Around, turned: FloatArray | None = None) -> Ints:
 
 def place(position_m: FloatArray) -> Ints:
     """The line of the grid nearest to a coordinate of the frame."""
-    index = np.rint(position_m / STEP_M).astype(np.int64) + PLACES // 2
+    # Neighbours share an edge: it has one number, however each of them rounds.
+    index = np.rint(np.round(position_m / STEP_M, 6)).astype(np.int64) + PLACES // 2
     return np.clip(index, 0, PLACES - 1)
 
 

@@ -68,7 +68,7 @@ def furnish(plan: Plan, rng: np.random.Generator, statistics: Statistics = "home
     laundry = _laundry_balcony(floors, dice)
     for floor in floors:
         if len(floor.corners) >= 3:
-            _furnish_well(floor, floors, floor is laundry)
+            _furnish_well(floor, floors, plan, floor is laundry)
     add_appliances(floors, dice, mix)
     items = tuple(item for floor in floors for item in _items(floor))
     for floor in floors:
@@ -85,7 +85,7 @@ def _open_to_each_other(house: SceneGraph) -> SceneGraph:
     return house
 
 
-def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> None:
+def _furnish_well(floor: Floor, floors: Sequence[Floor], plan: Plan, is_laundry: bool) -> None:
     """The first of a few attempts that leaves the paths free, else the best one repaired."""
     empty = floor.mark()
     best: tuple[int, list[Placed]] | None = None
@@ -93,7 +93,7 @@ def _furnish_well(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
         floor.squeeze(squeezed)
         if not squeezed:
             keep_ways_in(floor)
-        _furnish_room(floor, floors, is_laundry)
+        _furnish_room(floor, floors, plan, is_laundry)
         faults = _faults(floor)
         if not faults:
             return
@@ -130,7 +130,7 @@ def _missing(floor: Floor) -> int:
     return len(lacking(floor.kind, floor.area_m2, standing))
 
 
-def _furnish_room(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> None:
+def _furnish_room(floor: Floor, floors: Sequence[Floor], plan: Plan, is_laundry: bool) -> None:
     match floor.kind:
         case "bedroom":
             furnish_bedroom(floor)
@@ -139,7 +139,7 @@ def _furnish_room(floor: Floor, floors: Sequence[Floor], is_laundry: bool) -> No
         case "dining":
             furnish_dining(floor)
         case "kitchen":
-            furnish_kitchen(floor)
+            furnish_kitchen(floor, plan)
         case "bathroom":
             furnish_bathroom(floor)
         case "balcony":

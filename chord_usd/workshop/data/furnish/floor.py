@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from chord_usd.base.scene.palette import CATEGORIES
-from chord_usd.base.scene.types import Room, RoomKind
+from chord_usd.base.scene.types import Box, Room, RoomKind
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.workshop.data.furnish.free_spans import (
     MARGIN_M,
@@ -196,6 +196,15 @@ class Floor:
         yaw_deg = wrap_deg(wall.yaw_deg + 90.0 * quarter_turns)
         self.placed.append(Placed(category, x, y, base, size, yaw_deg, ux, uy, self._group, core))
         self._take(x, y, ux, uy, length / 2, width / 2, SOLID, NO_SILL_M)
+
+    def put_box(self, category: str, box: Box, *, core: bool = False) -> None:
+        """Stand a piece where a box of the world is."""
+        (x, y, z), turn = box.center_m, math.radians(box.yaw_deg)
+        ux, uy = round(math.cos(turn), 12), round(math.sin(turn), 12)
+        self.placed.append(
+            Placed(category, x, y, z, box.size_m, box.yaw_deg, ux, uy, self._group, core)
+        )
+        self._take(x, y, ux, uy, box.size_m[0] / 2, box.size_m[1] / 2, SOLID, NO_SILL_M)
 
     def keep(
         self,

@@ -22,8 +22,6 @@ import random
 from dataclasses import dataclass
 from typing import Literal
 
-from chord_usd.workshop.data.furnish.modules import WIDTHS_M
-
 Statistics = Literal["homes", "paper"]
 """Whose houses to imitate."""
 
@@ -83,10 +81,6 @@ class Mix:
     """
     washing_machine_anywhere: float
     balcony_armchair: float
-    worktop_m: tuple[float, float, float]
-    """Metres in a kitchen of no size, more for each m2, and at most."""
-    cabinets_m: tuple[float, ...]
-    """Widths of floor cabinets, as often as they are named."""
 
 
 PAPER = Mix(
@@ -99,7 +93,6 @@ PAPER = Mix(
     dining_cabinet_at_table=0.6, dining_cabinet_living=0.4, refrigerator=0.13,
     electrical=0.22, washbasin=0.72, bathtub=0.08, washing_machine=0.06,
     refrigerator_anywhere=0.0, washing_machine_anywhere=0.0, balcony_armchair=0.3,
-    worktop_m=(1.6, 0.34, 5.4), cabinets_m=(0.45, 0.8, 0.8, 0.9, 1.0),
 )  # fmt: skip
 
 HOMES = Mix(
@@ -112,7 +105,6 @@ HOMES = Mix(
     dining_cabinet_at_table=0.6, dining_cabinet_living=0.65, refrigerator=1.0, electrical=0.85,
     washbasin=1.0, bathtub=0.33, washing_machine=0.45, refrigerator_anywhere=1.0,
     washing_machine_anywhere=1.0, balcony_armchair=0.3,
-    worktop_m=(1.8, 0.36, 5.6), cabinets_m=WIDTHS_M,
 )  # fmt: skip
 
 MIXES: dict[Statistics, Mix] = {"homes": HOMES, "paper": PAPER}
