@@ -14,7 +14,7 @@ from shapely import Polygon, union_all
 from trimesh.graph import connected_component_labels
 
 from chord_usd.base.errors import AssetError
-from chord_usd.base.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level
+from chord_usd.base.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level, Mount
 from chord_usd.library.catalogue import designs
 from chord_usd.library.kit.model import Design, Part, fitted
 from chord_usd.library.kit.solids import box
@@ -113,6 +113,20 @@ def test_meshes_are_watertight_and_look_outwards(design: Design) -> None:
         assert mesh.area_faces.min() > 0.0, part.name
         assert points_differ(part.solid.points_m), part.name
         assert is_manifold(part.solid.faces), part.name
+
+
+@every_design
+def test_it_stands_on_its_own_feet(design: Design) -> None:
+    """SceneEval's rule: the centroid of the surface lies over the hull of the feet."""
+    if CATEGORIES[design.category].mount is Mount.FLOOR:
+        solids = [part.solid for part in parts_of(design)]
+        corners = np.concatenate([solid.points_m[solid.faces] for solid in solids])
+        feet = corners.reshape(-1, 3)
+        feet = feet[feet[:, 2] < feet[:, 2].min() + 0.01]
+        areas = trimesh.triangles.area(corners)
+        centroid = (corners.mean(axis=1) * areas[:, None]).sum(axis=0) / areas.sum()
+        hull = shapely.convex_hull(shapely.multipoints(feet[:, :2]))
+        assert hull.contains(shapely.Point(centroid[:2]))
 
 
 @every_design

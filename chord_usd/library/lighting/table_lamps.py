@@ -224,13 +224,13 @@ def andon(size_m: Size) -> tuple[Part, ...]:
 
 
 def desk_lamp(size_m: Size) -> tuple[Part, ...]:
-    """A jointed arm with springs of two rods and a cone."""
+    """A jointed arm with springs of two rods and a cone; the foot is below its centroid."""
     length, width, height = size_m
     foot_r = min(length * 0.26, width * 0.5)
-    foot_x = length / 2 - foot_r
+    foot_x = length / 2 - foot_r - 0.06
     head_r = width * 0.36
     waist = np.array([foot_x, 0.0, 0.05])
-    elbow = np.array([length / 2 - 0.02, 0.0, height * 0.62])
+    elbow = np.array([length / 2 - 0.011, 0.0, height * 0.62])
     hand = np.array([-length / 2 + head_r + 0.03, 0.0, height - 0.05])
     foot = lathe(
         [(foot_r, 0.0), (foot_r, 0.008), (foot_r - 0.006, 0.016), (0.02, 0.02), (0.012, 0.05)], 36
