@@ -14,7 +14,13 @@ from shapely import Polygon, union_all
 from trimesh.graph import connected_component_labels
 
 from chord_usd.base.errors import AssetError
-from chord_usd.base.scene.palette import CATEGORIES, HOUSE_CATEGORIES, TABLE_CATEGORIES, Level, Mount
+from chord_usd.base.scene.palette import (
+    CATEGORIES,
+    HOUSE_CATEGORIES,
+    TABLE_CATEGORIES,
+    Level,
+    Mount,
+)
 from chord_usd.library.catalogue import designs
 from chord_usd.library.kit.model import Design, Part, fitted
 from chord_usd.library.kit.solids import box

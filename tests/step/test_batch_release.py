@@ -13,7 +13,14 @@ from chord_usd.base.errors import OutputError
 from chord_usd.base.scene.chord_json import write_scene
 from chord_usd.base.scene.types import SceneGraph
 from chord_usd.faces.batch.make import SCENE_FILE
-from chord_usd.faces.batch.records import HOUSE_RECORD, Record, files_in, hashes_of, write_record
+from chord_usd.faces.batch.records import (
+    HOUSE_RECORD,
+    Record,
+    files_in,
+    hashes_of,
+    write_costs,
+    write_record,
+)
 from chord_usd.faces.batch.release import require_own, write_release
 from chord_usd.workshop.data.foreign import Models, foreign_houses
 
@@ -32,12 +39,11 @@ def houses(tmp_path: Path, furnished_house: SceneGraph) -> Path:
             **FIGURES,
             "dressing": 9,
             "holds": name != COLLIDES,
-            "seconds": {"stage": 9.0},
-            "cpu_s": 6.0,
         }
         recipe = {"seed": 1, "procedural_plan": 1, "checkpoints": {"lists": "ab" * 32}}
         record = Record(recipe, hashes_of(files_in(house), house), told)
         write_record(record, house / HOUSE_RECORD)
+        write_costs(house, "house", {"stage": 9.0}, 6.0)
     return tmp_path
 
 
@@ -77,6 +83,16 @@ def test_checksums_are_of_every_file(houses: Path) -> None:
     }
     for name, digest in listed.items():
         assert hashlib.sha256((houses / name).read_bytes()).hexdigest() == digest
+
+
+def test_what_houses_cost_changes_no_byte_of_a_release(houses: Path) -> None:
+    write_release(houses, NAMES)
+    before = (houses / "checksums.sha256").read_bytes()
+    for name in NAMES[:-1]:
+        write_costs(houses / name, "house", {"stage": 90.0}, 60.0)
+    release = write_release(houses, NAMES)
+    assert release.cpu_s == 60.0
+    assert (houses / "checksums.sha256").read_bytes() == before
 
 
 def test_a_card_of_somebody_else_is_refused_before_any_house_is_made(houses: Path) -> None:

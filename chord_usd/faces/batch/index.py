@@ -32,7 +32,6 @@ FIGURES = (
 
 _COLUMNS = (
     "kind", "status", "house", "camera", "plan", "seed", "path", "files", "sha256", "why",
-    "seconds", "cpu_s",
 )  # fmt: skip
 """Of every row, in this order."""
 
@@ -48,8 +47,7 @@ def rows(folder: Path, names: Container[str] | None = None) -> list[dict[str, An
 
     A row has kind (house or picture), status (done or failed), house, camera, plan, seed, path
     (of the stage or the picture), files and sha256 (what it alone is made of, and the hashes),
-    why (it failed), seconds, cpu_s (of processors), and for houses FIGURES. Paths are relative to
-    the folder.
+    why (it failed), and for houses FIGURES. Paths are relative to the folder.
     """
     found: list[dict[str, Any]] = []
     failed = failures_in(folder)
@@ -83,8 +81,6 @@ def write_parquet(rows: list[dict[str, Any]], folder: Path) -> Path:
         *((name, pyarrow.string()) for name in _TEXTS),
         *((name, pyarrow.list_(pyarrow.string())) for name in _LISTS),
         ("seed", pyarrow.int64()),
-        ("seconds", pyarrow.float64()),
-        ("cpu_s", pyarrow.float64()),
         *((name, _figure_type(name)) for name in FIGURES),
     ]
     path = folder / PARQUET_FILE
@@ -121,8 +117,6 @@ def _house_row(name: str, record: Record) -> dict[str, Any]:
         path=f"{name}/{STAGE_FILE}",
         files=[f"{name}/{file}" for file in files],
         sha256=list(files.values()),
-        seconds=round(sum(told["seconds"].values()), 3),
-        cpu_s=told.get("cpu_s"),
         **{key: told.get(key) for key in FIGURES},
     )
 

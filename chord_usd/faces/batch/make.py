@@ -22,6 +22,7 @@ from chord_usd.faces.batch.records import (
     files_in,
     finished,
     hashes_of,
+    write_costs,
     write_record,
 )
 from chord_usd.faces.batch.shared import keep_pictures, share_files
@@ -80,10 +81,9 @@ class Maker:
                 report = check_stage(stage, own=True)
             share_files(folder, target.parent)
             files = hashes_of(files_in(folder), folder)
-            told = _told(unit, house, report, watch)
-            told["cpu_s"] = round(cpu_seconds() - before_s, 3)
-            record = Record(unit.recipe, files, told)
+            record = Record(unit.recipe, files, _told(unit, house, report))
             write_record(record, folder / HOUSE_RECORD)
+            write_costs(folder, "house", watch.seconds, cpu_seconds() - before_s)
             # What was rendered of the very same stage needs not be rendered again.
             old = target / STAGE_FILE
             if old.is_file() and hash_file(old) == files[STAGE_FILE]:
@@ -124,9 +124,8 @@ def _render(house: Path, made: Record, options: RenderOptions, digests: Digests)
         rendered = render_stage(house / STAGE_FILE, house / PICTURES_FOLDER, options)
     sidecars = {file.with_name(f"{camera_of(file)}.json") for file in rendered.files}
     files = hashes_of(sorted({*rendered.files, *sidecars}), house)
-    cpu_s = round(cpu_seconds() - before_s, 3)
-    told = {"seconds": watch.seconds, "cpu_s": cpu_s, "device": rendered.device}
-    write_record(Record(recipe, files, told), record)
+    write_record(Record(recipe, files, {"device": rendered.device}), record)
+    write_costs(house, "pictures", watch.seconds, cpu_seconds() - before_s)
 
 
 def camera_of(picture: Path) -> str:
@@ -176,7 +175,7 @@ def _with_own_asset(item: Item) -> Item:
 _SHARES = ("walkable", "reachable_rooms", "por", "piou", "complete", "right")
 
 
-def _told(unit: Unit, house: House, report: Report, watch: Stopwatch) -> dict[str, Any]:
+def _told(unit: Unit, house: House, report: Report) -> dict[str, Any]:
     """Figures for the index."""
     items = house.graph.items
     return {
@@ -197,5 +196,4 @@ def _told(unit: Unit, house: House, report: Report, watch: Stopwatch) -> dict[st
         "empty_rooms": len(report.empty_rooms),
         **{key: getattr(report, key) for key in _SHARES},
         "warnings": list(house.plan.extra.get("warnings", ())),
-        "seconds": watch.seconds,
     }

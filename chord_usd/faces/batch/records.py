@@ -1,7 +1,8 @@
 """What a finished house and its pictures say of themselves: how they were made, and their hashes.
 
 A record is the resume state. It is written with what it speaks of, so a house without one, or
-whose files are not those it lists, is not finished.
+whose files are not those it lists, is not finished. Two runs write the same bytes: what a house
+cost stands in costs.json, which no hash covers.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from chord_usd.base.runtime.manifest import MANIFEST_FILE
 HOUSE_RECORD = "house.json"
 PICTURES_RECORD = "pictures.json"
 PICTURES_FOLDER = "pictures"
+COSTS_FILE = "costs.json"
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,9 @@ class Digests:
 
 
 def files_in(folder: Path) -> list[Path]:
-    """All files below a folder, by name, without the manifests, which grow."""
-    files = (path for path in folder.rglob("*") if path.name != MANIFEST_FILE)
+    """All files below a folder, by name, without manifests, which grow, and without costs."""
+    left_out = (MANIFEST_FILE, COSTS_FILE)
+    files = (path for path in folder.rglob("*") if path.name not in left_out)
     return sorted(path for path in files if path.is_file())
 
 
@@ -61,6 +64,25 @@ def hashes_of(files: Iterable[Path], folder: Path) -> dict[str, str]:
 def write_record(record: Record, path: Path) -> None:
     """Raises OutputError."""
     write_atomic(path, json.dumps(asdict(record), indent=1) + "\n", asked=False)
+
+
+def write_costs(house: Path, of: str, seconds: Mapping[str, float], cpu_s: float) -> None:
+    """Note what a house or its pictures cost.
+
+    of: "house" or "pictures". seconds: of each step, by the clock. cpu_s: of processors. Raises
+    OutputError.
+    """
+    costs = {**read_costs(house), of: {"seconds": seconds, "cpu_s": round(cpu_s, 3)}}
+    write_atomic(house / COSTS_FILE, json.dumps(costs, indent=1) + "\n", asked=False)
+
+
+def read_costs(house: Path) -> dict[str, Any]:
+    """What write_costs noted; empty where nothing is noted or the file is damaged."""
+    try:
+        costs = json.loads((house / COSTS_FILE).read_text())
+    except (OSError, ValueError):
+        return {}
+    return costs if isinstance(costs, dict) else {}
 
 
 def read_record(path: Path) -> Record | None:

@@ -4,7 +4,7 @@ be done with it, beside the houses."""
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import mean, median
@@ -16,7 +16,14 @@ from chord_usd.base.runtime.targets import not_ours
 from chord_usd.faces.batch.failures import failures_in
 from chord_usd.faces.batch.lock import LOCK_FILE
 from chord_usd.faces.batch.make import SCENE_FILE
-from chord_usd.faces.batch.records import HOUSE_RECORD, Digests, Record, files_in, read_record
+from chord_usd.faces.batch.records import (
+    HOUSE_RECORD,
+    Digests,
+    Record,
+    files_in,
+    read_costs,
+    read_record,
+)
 from chord_usd.faces.batch.release_card import card
 
 CARD_FILE = "README.md"
@@ -47,6 +54,8 @@ class Release:
     """Of the houses that were made, by name."""
     bytes: int
     """On disk; what houses share counts once."""
+    cpu_s: float
+    """Seconds of a processor core for a house, the median: neighbours do not slow these."""
 
     @property
     def holding(self) -> list[str]:
@@ -69,11 +78,6 @@ class Release:
         from chord_usd.workshop.data.splits import split_hash
 
         return split_hash(self.holding)
-
-    @property
-    def cpu_s(self) -> float:
-        """Seconds of a processor core for a house, the median: neighbours do not slow these."""
-        return float(median([one.told["cpu_s"] for one in self.records.values()] or [0.0]))
 
     def figure(self, name: str) -> float:
         """Mean over the houses of a figure of their records."""
@@ -127,7 +131,7 @@ def write_release(folder: Path, names: Sequence[str]) -> Release:
         name: read_record(folder / name / HOUSE_RECORD) for name in names if name not in failed
     }
     records = {name: record for name, record in found.items() if record}
-    release = Release(records, _bytes_of(folder))
+    release = Release(records, _bytes_of(folder), _cpu_s(folder, records))
     splits = {"hash": release.split_hash, **release.splits}
     _write(folder / SPLITS_FILE, json.dumps(splits, indent=1) + "\n")
     _write(folder / STATISTICS_FILE, json.dumps(_statistics(folder, release), indent=1) + "\n")
@@ -140,6 +144,12 @@ def write_release(folder: Path, names: Sequence[str]) -> Release:
 
 def _write(path: Path, text: str) -> None:
     write_atomic(path, text, asked=False)
+
+
+def _cpu_s(folder: Path, names: Iterable[str]) -> float:
+    """Median over the houses that note their costs."""
+    costs = [read_costs(folder / name).get("house") for name in names]
+    return float(median([cost["cpu_s"] for cost in costs if cost] or [0.0]))
 
 
 def _bytes_of(folder: Path) -> int:

@@ -34,7 +34,6 @@ def card(release: Release) -> str:
         test=parts["test"],
         hash=release.split_hash,
         figures=figures,
-        seconds=release.cpu_s,
         megabytes=release.megabytes,
         version=__version__,
         checkpoints=checkpoints,
@@ -114,7 +113,7 @@ for name in json.load(open("splits.json"))["train"]:
 
 `chord-usd dataset release`, settings `{settings}`; house N stands on the procedural plan N and has
 the seed N, so that the same command makes the same houses. Networks: {checkpoints}. A house takes
-{seconds:.1f} s of one core and {megabytes:.1f} MB on disk. The hash of the splits is `{hash}`.
+{megabytes:.1f} MB on disk. The hash of the splits is `{hash}`.
 
 ## Limits
 
