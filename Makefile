@@ -21,7 +21,7 @@ BLENDER_EXT := $(BIN)/../lib/python3.11/site-packages/bpy/*/scripts/addons_core/
 
 # One thread for each of two workers: threads of two pools on two cores wait for one another (two
 # small networks learn a batch in 34 s of CPU so, and in more than 109 s otherwise).
-PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
+PARALLEL := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --durations 40 --durations-min 4
 
 # Tests whose limits are so near that they need the machine for themselves.
 ALONE = $(shell grep -rl 'mark\.alone' tests)
