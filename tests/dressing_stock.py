@@ -8,15 +8,17 @@ from chord_usd.base.scene.palette import DRESSING_CATEGORIES, Category
 from chord_usd.base.scene.types import Asset
 from chord_usd.library.database import AssetDatabase
 
-CURTAINS_M = {"Open": (0.3, 0.42), "Drawn": (0.6, 0.9, 1.3)}
+CURTAINS_M = {"open": (0.3, 0.42), "drawn": (0.6, 0.9, 1.3)}
 RUGS_M = ((1.4, 1.4), (2.4, 1.65), (2.8, 1.95), (3.2, 2.3))
 RAILS_M = (1.0, 1.4, 1.8, 2.2, 2.6, 3.0, 3.6)
 BLINDS_M = (0.6, 0.9, 1.2, 1.5, 1.8)
 
 
-def _made(asset_id: str, category: str, *size_m: float) -> Asset:
+def _made(asset_id: str, category: str, *size_m: float, tag: str = "") -> Asset:
     length, depth, height = size_m
-    return Asset(asset_id, category, (length, depth, height), Path(f"nowhere/{asset_id}.usda"))
+    path = Path(f"nowhere/{asset_id}.usda")
+    tags = (tag,) if tag else ()
+    return Asset(asset_id, category, (length, depth, height), path, tags=tags)
 
 
 def _sizes(row: Category, share: float) -> tuple[float, float, float]:
@@ -41,16 +43,19 @@ def stock_of_boxes() -> AssetDatabase:
     assets += [_made(f"Rug_Flat_{n}", "rug", *side, 0.0045) for n, side in enumerate(RUGS_M)]
     taken = ("curtain", "curtain_rail", "blind", "throw")
     assets = [asset for asset in assets if asset.category not in taken]
-    for word, lengths in CURTAINS_M.items():
+    for tag, lengths in CURTAINS_M.items():
         for length in lengths:
             for height in (1.4, 2.4):
-                name = f"Curtain_{word}_{100 * length:.0f}x{100 * height:.0f}"
-                assets.append(_made(name, "curtain", length, 0.12, height))
+                name = f"Curtain_{tag}_{100 * length:.0f}x{100 * height:.0f}"
+                assets.append(_made(name, "curtain", length, 0.12, height, tag=tag))
     assets += [_made(f"Rail_{100 * m:.0f}", "curtain_rail", m, 0.1, 0.04) for m in RAILS_M]
     assets += [
         _made(f"Blind_{100 * m:.0f}x{100 * h:.0f}", "blind", m, 0.06, h)
         for m in BLINDS_M
         for h in (0.4, 0.8)
     ]
-    assets += [_made(f"Throw_Bed_{m}", "throw", m / 100, 0.6, 0.35) for m in (100, 130, 160, 190)]
+    assets += [
+        _made(f"Throw_Bed_{m}", "throw", m / 100, 0.6, 0.35, tag="bed")
+        for m in (100, 130, 160, 190)
+    ]
     return AssetDatabase(tuple(assets))

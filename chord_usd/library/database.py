@@ -22,6 +22,7 @@ from chord_usd.base.runtime.progress import Progress
 from chord_usd.base.runtime.scratch import scratch_folder
 from chord_usd.base.scene.palette import CATEGORIES, category
 from chord_usd.base.scene.types import Asset
+from chord_usd.library.design_tables import FOLDERS, SizeM, entries
 
 if TYPE_CHECKING:
     from chord_usd.library.kit.model import Design
@@ -33,16 +34,13 @@ TEXTURE_PX = 1024
 """Side of the largest textures of a house unless asked otherwise."""
 
 _GENERATOR = (
-    *("catalogue.py", "component.py", "component_prims.py", "material.py", "kit", "surfaces"),
-    *("seating", "beds", "tables", "storage", "lighting", "plants", "kitchen", "bath"),
-    *("textiles", "pictures", "objects", "fittings", "cloth", "looks/look_noise.py"),
+    *("catalogue.py", "design_tables.py", "component.py", "component_prims.py", "material.py"),
+    *("kit", "surfaces", *FOLDERS, "cloth", "looks/look_noise.py"),
     "../base/scene/label_sets.tsv",
 )
 """What the bytes of the assets depend on."""
 
 _REBUILD = "chord-usd assets build -o FOLDER"
-
-SizeM = tuple[float, float, float]
 
 _LONGEST_M = 1000.0
 
@@ -50,14 +48,27 @@ OWN_FIRST_M = 0.25
 """The shipped furniture comes in so many sizes that hardly anything else would ever be nearest."""
 
 
-_BARE, _OFFICE = "Bare", "Office"
-"""A word in the ids of pieces whose likes carry something that hides what is behind them."""
+TAGS = {
+    "swivels": "chairs that belong at desks only",
+    "no_screen": "television cabinets without the set, as they are below windows",
+    "drawn": "curtains that cover the whole window",
+    "open": "curtains drawn aside; wall cabinets without doors",
+    "sheer": "curtains that one sees through",
+    "glazed": "wall cabinets with panes",
+    "coats": "hook rails with coats on them",
+    "doormat": "mats for an entrance",
+    "bed": "throws for beds",
+    "seat": "throws for sofas and chairs",
+    "bath": "bottles for bathrooms",
+    "kitchen": "bottles for kitchens",
+    "dishwasher": "electrical cabinets of composed kitchens",
+    "corner_left": "base cabinets whose left end another run of units hides",
+    "corner_right": "base cabinets whose right end another run of units hides",
+}
+"""What an asset can say beside its category, and what that means; `assets add` accepts these."""
 
-VARIETIES: Mapping[str, str] = {
-    "dishwasher": "Dishwasher", "corner left": "CornerLeft", "corner right": "CornerRight",
-}  # fmt: skip
-"""A word in the ids of assets that stand for units of kitchens of one variety, and for no other
-piece (compose.cut.Variety)."""
+_VARIETIES = ("dishwasher", "corner_left", "corner_right")
+"""Tags of units that are for one variety of a composed kitchen only (compose.cut.Variety)."""
 
 STRANGE_FORM_M = 0.3
 """A form of another style is taken where it misses the size by so much less."""
@@ -111,7 +122,7 @@ class AssetDatabase:
         asset of the user's own is taken unless a shipped one is more than OWN_FIRST_M nearer.
         most_height_m: what stands before a window is no higher, where the category has that; of
         cabinets with and without a television those without stand there, and only there. at_desk:
-        elsewhere no chair swivels. variety: of a unit of a composed kitchen (VARIETIES).
+        elsewhere no chair swivels. variety: of a unit of a composed kitchen, a tag of these.
         Raises AssetError where the category has no asset, SceneError for a name not in the palette.
         """
         candidates = self.of_category(name)
@@ -122,14 +133,14 @@ class AssetDatabase:
                 try_="--assets FOLDER with such an asset",
             )
         is_before_window = most_height_m is not None
-        candidates = tuple(a for a in candidates if _is_bare(a) == is_before_window) or candidates
+        suiting = tuple(a for a in candidates if ("no_screen" in a.tags) == is_before_window)
+        candidates = suiting or candidates
         if not at_desk:
-            candidates = tuple(a for a in candidates if not _swivels(a)) or candidates
+            candidates = tuple(a for a in candidates if "swivels" not in a.tags) or candidates
         if most_height_m is not None:
             low = [asset for asset in candidates if asset.size_m[2] <= most_height_m]
             candidates = tuple(low) or candidates
-        word = VARIETIES.get(variety or "")
-        candidates = tuple(a for a in candidates if _variety_of(a) == word) or candidates
+        candidates = tuple(a for a in candidates if _is_of(a, variety or "")) or candidates
         best = min(candidates, key=lambda asset: self._key(asset, size_m))
         brought = [asset for asset in candidates if asset.id in self.own]
         if brought:
@@ -169,18 +180,10 @@ class AssetDatabase:
         return asset
 
 
-def _variety_of(asset: Asset) -> str | None:
-    """The word of VARIETIES in its id."""
-    words = asset.id.split("_")
-    return next((word for word in VARIETIES.values() if word in words), None)
-
-
-def _is_bare(asset: Asset) -> bool:
-    return _BARE in asset.id.split("_")
-
-
-def _swivels(asset: Asset) -> bool:
-    return _OFFICE in asset.id.split("_")
+def _is_of(asset: Asset, variety: str) -> bool:
+    """Whether it carries the tag of this variety, or none where the variety has no tag."""
+    tag = variety.replace(" ", "_")
+    return set(asset.tags) & set(_VARIETIES) == ({tag} & set(_VARIETIES))
 
 
 def _miss_m(asset: Asset, size_m: SizeM) -> float:
@@ -258,6 +261,7 @@ def _asset(entry: Mapping[str, Any], folder: Path) -> Asset:
         licence=str(entry.get("licence", "")),
         author=str(entry.get("author", "")),
         styles=tuple(str(name) for name in entry.get("styles", ())),
+        tags=tuple(str(tag) for tag in entry.get("tags", ())),
     )
 
 
@@ -279,7 +283,9 @@ def build_assets(
             progress(done, len(catalogue))
         path = write_component(design, folder)
         asset = Asset(design.id, design.category, design.size_m, path, LICENCE, AUTHOR)
-        assets.append(replace(asset, styles=design.styles))
+        entry = entries().get(design.id)
+        tags = entry.tags if entry else ()
+        assets.append(replace(asset, styles=design.styles, tags=tags))
     write_index(assets, folder)
     if progress is not None:
         progress(len(catalogue), len(catalogue))
@@ -297,6 +303,7 @@ def write_index(assets: Iterable[Asset], folder: Path) -> None:
             "licence": asset.licence,
             "author": asset.author,
             **({"styles": list(asset.styles)} if asset.styles else {}),
+            **({"tags": list(asset.tags)} if asset.tags else {}),
         }
         for asset in assets
     ]
@@ -310,20 +317,20 @@ def embedded_assets(texture_px: int = TEXTURE_PX) -> tuple[Asset, ...]:
     Each asset lies in the user's cache once something has asked for it (draw_embedded).
     """
     from chord_usd.base.scene.credits import AUTHOR, LICENCE
-    from chord_usd.library.catalogue import designs
 
     folder = embedded_folder(texture_px)
     return tuple(
         Asset(
-            id=design.id,
-            category=design.category,
-            size_m=design.size_m,
-            usd_path=folder / design.id / f"{design.id}.usda",
+            id=entry.id,
+            category=entry.category,
+            size_m=entry.size_m,
+            usd_path=folder / entry.id / f"{entry.id}.usda",
             licence=LICENCE,
             author=AUTHOR,
-            styles=design.styles,
+            styles=entry.styles,
+            tags=entry.tags,
         )
-        for design in designs()
+        for entry in entries().values()
     )
 
 
@@ -359,15 +366,14 @@ def embedded_folder(texture_px: int = TEXTURE_PX) -> Path:
 
 def _draw_into(folder: Path, asset: Asset, map_px: int) -> None:
     """Draw beside the target and rename, so that nobody ever sees half a component."""
-    from chord_usd.library.catalogue import designs
+    from chord_usd.library.catalogue import design_of
     from chord_usd.library.component import write_component
     from chord_usd.library.material import MapShelf
     from chord_usd.library.surfaces.surface_maps import MAPS_FOLDER
 
-    design = next(design for design in designs() if design.id == asset.id)
     folder.mkdir(parents=True, exist_ok=True)
     with scratch_folder(folder) as hidden:
-        write_component(design, hidden, maps=MapShelf(folder / MAPS_FOLDER, map_px))
+        write_component(design_of(asset.id), hidden, maps=MapShelf(folder / MAPS_FOLDER, map_px))
         try:
             (hidden / asset.id).rename(folder / asset.id)
         except OSError:

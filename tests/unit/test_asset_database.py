@@ -5,6 +5,9 @@ from __future__ import annotations
 import ast
 import json
 import random
+import subprocess
+import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,9 +16,17 @@ from hypothesis import strategies as st
 
 from chord_usd.base.errors import AssetError, OutputError, SceneError
 from chord_usd.base.runtime.locations import cache_folder
+from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Asset
 from chord_usd.library import component, database
-from chord_usd.library.database import AssetDatabase, load_database, read_index, write_index
+from chord_usd.library.database import (
+    TAGS,
+    AssetDatabase,
+    load_database,
+    read_index,
+    write_index,
+)
+from chord_usd.library.design_tables import colour_sets, entries, sizes_m
 from chord_usd.library.kit.model import Design
 
 SIDE = st.floats(0.1, 4.0).map(lambda side: round(side, 3))
@@ -189,6 +200,45 @@ def test_whatever_draws_assets_counts_when_they_are_drawn_anew() -> None:
     used = {file for file in used if file.is_file()}
     assert {"physical", "material", "solids"} <= {file.stem for file in used}
     assert used <= set(sources), "a change there would leave old assets in caches"
+
+
+def test_retrieval_imports_no_geometry() -> None:
+    code = """import sys
+from chord_usd.library.database import load_database
+load_database().of_category("sofa")
+print(*sorted(name for name in sys.modules if name.startswith("chord_usd.library.")))"""
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert set(printed.stdout.decode().split()) == {
+        f"chord_usd.library.{name}" for name in ("database", "design_tables")
+    }
+
+
+def test_a_users_asset_is_set_apart_by_its_tags_not_by_words_in_its_id(tmp_path: Path) -> None:
+    size_m = (0.5, 0.5, 0.9)
+    plain, swivel = (
+        Asset(name, "chair", size_m, Path(f"{name}/{name}.usda"), tags=tags)
+        for name, tags in (("Oak_Office_Room", ()), ("A_Castor", ("swivels",)))
+    )
+    stored(tmp_path, [plain])
+    (tmp_path / "A_Castor").mkdir()
+    (tmp_path / swivel.usd_path).write_text("#usda 1.0\n")
+    write_index([replace(a, usd_path=tmp_path / a.usd_path) for a in (plain, swivel)], tmp_path)
+    chairs = AssetDatabase(read_index(tmp_path))
+    assert chairs.nearest("chair", size_m).id == "A_Castor"
+    assert chairs.nearest("chair", size_m, at_desk=False).id == "Oak_Office_Room"
+
+
+def test_tables_name_known_tags_categories_and_colours_only() -> None:
+    for entry in entries().values():
+        assert set(entry.tags) <= set(TAGS), entry.id
+        assert entry.category in CATEGORIES, entry.id
+        assert colour_sets(entry.folder)[entry.colours], entry.id
+
+
+def test_sizes_of_a_cell_are_every_combination_of_each_group() -> None:
+    assert list(sizes_m("0.5 0.65, 0.4, 0.8; 1:1.4:0.2, 0.5, 0.9")) == [
+        (0.5, 0.4, 0.8), (0.65, 0.4, 0.8), (1.0, 0.5, 0.9), (1.2, 0.5, 0.9), (1.4, 0.5, 0.9),
+    ]  # fmt: skip
 
 
 def test_chairs_swivel_at_desks_only():

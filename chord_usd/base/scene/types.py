@@ -191,6 +191,8 @@ class Asset:
     author: str = ""
     styles: tuple[str, ...] = ()
     """Names of the styles (scene.styles) whose form it has; empty where it suits them all."""
+    tags: tuple[str, ...] = field(default=(), compare=False)
+    """What sets it apart within its category (library.database.TAGS); scenes do not carry it."""
 
 
 FrontFrom = Literal["mark", "wall", "table", "guess"]

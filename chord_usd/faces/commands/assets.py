@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.base.errors import AssetError
 from chord_usd.base.runtime.counting import counted
 from chord_usd.base.runtime.files import deliver, output_folder
 from chord_usd.base.scene.styles import MIXED
@@ -69,6 +70,10 @@ def add(verbs: Verbs) -> None:
         metavar="N",
         help="meshes with more are reduced to it (20000)",
     )
+    adding.add_argument(
+        "--tag", dest="tags", action="append", default=[], metavar="TAG",
+        help="what sets the models apart in their category, such as swivels; repeatable",
+    )  # fmt: skip
     build = add_verb(group, "build", run_build, "build the parametric furniture as USD components")
     add_output_folder(build, "folder for the components")
     build.add_argument(
@@ -255,7 +260,11 @@ def run_add(options: argparse.Namespace) -> Outcome:
         if folder.is_dir():
             shutil.copytree(folder, target, dirs_exist_ok=True, ignore=_HIDDEN)
         added = add_library(
-            options.library, target, most_triangles=options.triangles, progress=progress
+            options.library,
+            target,
+            most_triangles=options.triangles,
+            tags=_known_tags(options.tags),
+            progress=progress,
         )
     data = {
         "folder": str(folder),
@@ -268,6 +277,18 @@ def run_add(options: argparse.Namespace) -> Outcome:
     if added.assets:
         lines.append("nothing of them opens (articulation): their meshes have no parts that move")
     return Outcome("\n".join(lines), data, warnings=added.warnings)
+
+
+def _known_tags(names: Sequence[str]) -> Sequence[str]:
+    """The tags; raises AssetError for one that the program does not know."""
+    from chord_usd.library.database import TAGS
+
+    for name in names:
+        if name not in TAGS:
+            raise AssetError(
+                f"the tag '{name}' is unknown", where="--tag", expected=", ".join(sorted(TAGS))
+            )
+    return names
 
 
 def _draw_sheet(
@@ -294,6 +315,7 @@ def _described(asset: Asset) -> dict[str, Any]:
         "licence": asset.licence,
         "author": asset.author,
         "styles": list(asset.styles),
+        "tags": list(asset.tags),
     }
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from chord_usd.library.kit.model import Part
@@ -22,7 +20,6 @@ from chord_usd.library.kit.solids import (
     tube,
 )
 from chord_usd.library.kitchen.bottles import pump_bottle
-from chord_usd.library.kitchen.designing import design
 from chord_usd.library.kitchen.vessels import hollow
 
 _ROLL_M, _CORE_M, _ROLL_LENGTH_M = 0.052, 0.02, 0.098
@@ -265,84 +262,3 @@ def _toothbrush(long: float) -> tuple[Solid, Solid]:
     head = block((0.012, 0.005, long * 0.15), 0.0015).moved(z=long * 0.85)
     hair = block((0.01, 0.011, long * 0.13), 0.001).moved(y=-0.007, z=long * 0.86)
     return joined([handle, neck, head]), hair
-
-
-_HOLDERS = {
-    "chrome": {"metal": "chrome", "paper": "paper", "board": "chrome"},
-    "walnut": {"metal": "black_metal", "paper": "paper", "board": "walnut"},
-    "brass": {"metal": "brass", "paper": "paper", "board": "marble"},
-    "oak": {"metal": "steel", "paper": "paper", "board": "oak"},
-}
-_SCREENS = {
-    "chrome": {"glass": "glass", "metal": "chrome"},
-    "black_metal": {"glass": "glass", "metal": "black_metal"},
-    "brass": {"glass": "glass", "metal": "brass"},
-}
-_BRUSHES = {
-    "white": {"pot": "ceramic", "metal": "chrome", "grip": "chrome"},
-    "black_metal": {"pot": "black_metal", "metal": "black_metal", "grip": "black_metal"},
-    "oak": {"pot": "stoneware", "metal": "steel", "grip": "oak"},
-    "brass": {"pot": "ceramic", "metal": "brass", "grip": "brass"},
-}
-_SOAPS = {
-    "white": {"body": "ceramic", "metal": "chrome"},
-    "amber": {"body": "amber_glass", "metal": "black"},
-    "stoneware": {"body": "stoneware", "metal": "brass"},
-    "dark": {"body": "stoneware_dark", "metal": "black_metal"},
-}
-_CUPS = {
-    "white": {
-        "cup": "ceramic",
-        "brush_1": "plastic_blue",
-        "brush_2": "plastic_blush",
-        "bristle": "white",
-    },
-    "stoneware": {
-        "cup": "stoneware",
-        "brush_1": "birch",
-        "brush_2": "oak",
-        "bristle": "warm_white",
-    },
-    "glass": {
-        "cup": "clear_glass",
-        "brush_1": "plastic_sage",
-        "brush_2": "plastic_white",
-        "bristle": "white",
-    },
-    "dark": {
-        "cup": "stoneware_dark",
-        "brush_1": "birch",
-        "brush_2": "black",
-        "bristle": "warm_white",
-    },
-}
-
-DESIGNS = (
-    design("Paper_Holder_Rod", "paper_holder", (0.16, 0.13, 0.13), paper_holder, _HOLDERS),
-    design("Paper_Holder_Board", "paper_holder", (0.2, 0.12, 0.19), covered_holder, _HOLDERS),
-    design("Shower_Screen", "shower_screen", (0.8, 0.03, 1.4), shower_screen, _SCREENS),
-    design(
-        "Shower_Screen_Folding",
-        "shower_screen",
-        (1.0, 0.03, 1.4),
-        partial(shower_screen, panes=2),
-        _SCREENS,
-    ),
-    design("Toilet_Brush_Round", "toilet_brush", (0.1, 0.1, 0.38), toilet_brush, _BRUSHES),
-    design(
-        "Toilet_Brush_Square",
-        "toilet_brush",
-        (0.095, 0.095, 0.38),
-        partial(toilet_brush, square=True),
-        _BRUSHES,
-    ),
-    design("Soap_Dispenser", "soap_dispenser", (0.07, 0.078, 0.18), soap_dispenser, _SOAPS),
-    design(
-        "Soap_Dispenser_Square",
-        "soap_dispenser",
-        (0.066, 0.074, 0.17),
-        partial(soap_dispenser, square=True),
-        _SOAPS,
-    ),
-    design("Toothbrush_Cup", "toothbrush_cup", (0.073, 0.073, 0.181), toothbrush_cup, _CUPS),
-)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Literal
 
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.library.bath.ceramics import CERAMIC
 from chord_usd.library.bath.rims import felt_bowl
 from chord_usd.library.bath.taps import tub_tap
 from chord_usd.library.kit.joinery import felt_around
-from chord_usd.library.kit.model import Part, Style, editions
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -170,26 +168,3 @@ def _deck_tap(size_m: Size) -> list[Part]:
     _, width, height = size_m
     tap = tall_basin_tap(0.2).moved(0.0, width / 2 - 0.0285, height - 0.004)
     return [Part("Tap", tap, "metal", collider=None, above=True)]
-
-
-_TUB = Style("Bathtub_Built_In", bathtub, CERAMIC, 0.56)
-_OVAL = Style(
-    "Bathtub_Oval",
-    partial(bathtub, kind="oval"),
-    CERAMIC,
-    0.58,
-    ("modern", "scandinavian", "japanese"),
-)
-_CLAWS = Style(
-    "Bathtub_Claw_Foot",
-    partial(bathtub, kind="claw_foot"),
-    CERAMIC,
-    0.6,
-    ("classic", "industrial"),
-)
-
-_TUBS_M = (1.4, 1.5, 1.6, 1.7, 1.8)
-DESIGNS = (
-    *editions("bathtub", (_TUB,), (1.33, *_TUBS_M), (0.72, 0.8, 0.87)),
-    *editions("bathtub", (_OVAL, _CLAWS), _TUBS_M, (0.75, 0.85)),
-)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -16,10 +15,7 @@ from chord_usd.library.kit.joinery import (
     shifted,
 )
 from chord_usd.library.kit.model import (
-    Design,
     Part,
-    Style,
-    editions,
     hollow_part,
     moving_part,
     placed,
@@ -37,7 +33,7 @@ from chord_usd.library.kit.solids import (
     lathe,
     ring,
 )
-from chord_usd.library.kitchen.kitchen_fronts import FORM_STYLES, FrontForm, kitchen_fronts
+from chord_usd.library.kitchen.kitchen_fronts import FrontForm, kitchen_fronts
 from chord_usd.library.kitchen.sinks import sink_bowl
 
 _DOOR_OUT_M = 0.035
@@ -277,69 +273,3 @@ def laundry_tower(size_m: Size, *, form: FrontForm = "bar") -> tuple[Part, ...]:
         Part("Cheek", cheek, "body"),
         *kitchen_fronts(face, y, form),
     )
-
-
-def _machine_look(machine: str, hoop: str) -> dict[str, str]:
-    return {
-        "machine": machine,
-        "trim": machine,
-        "hoop": hoop,
-        "dark_glass": "black_glass",
-        "rubber": "rubber",
-        "seam": "graphite",
-        "mark": "light_grey",
-    }
-
-
-def _set_look(body: str, worktop: str, metal: str, machine: str, hoop: str) -> dict[str, str]:
-    return {
-        **_machine_look(machine, hoop),
-        "body": body,
-        "front": body,
-        "worktop": worktop,
-        "handle": metal,
-        "channel": "graphite",
-        "tap": "chrome",
-        "ceramic": "ceramic",
-        "plinth": "graphite",
-    }
-
-
-_MACHINE = {
-    "white": _machine_look("white", "steel"),
-    "graphite": _machine_look("graphite", "chrome"),
-    "black_ring": _machine_look("white", "black"),
-}
-_SET = {
-    "oak": _set_look("oak", "quartz", "black_metal", "white", "steel"),
-    "white": _set_look("white", "oak", "steel", "white", "chrome"),
-    "warm_white": _set_look("warm_white", "walnut", "brass", "white", "black_metal"),
-    "pale_oak": _set_look("pale_oak", "concrete", "black_metal", "white", "black_metal"),
-    "walnut": _set_look("walnut", "marble", "brass", "white", "black"),
-    "graphite": _set_look("graphite", "dark_walnut", "black_metal", "graphite", "chrome"),
-}
-
-_WASHER = Style("Washing_Machine", washing_machine, _MACHINE, 0.86)
-_PAIR = Style("Laundry_Pair", partial(laundry_counter, has_dryer=True), _SET, 0.9)
-_DEPTHS_M = (0.55, 0.62)
-
-
-def _sets() -> Iterator[Design]:
-    """Counters and towers in the fronts of each form."""
-    yield from editions("washing_set", (_PAIR,), (1.26, 1.34), _DEPTHS_M)
-    for form, styles in FORM_STYLES.items():
-        draws = {"Sink": laundry_counter, "Tower": laundry_tower}
-        sink, tower = (
-            Style(
-                f"Laundry_{form.capitalize()}_{kind}", partial(draw, form=form), _SET, tall, styles
-            )
-            for (kind, draw), tall in zip(draws.items(), (0.9, 2.15), strict=True)
-        )
-        yield from editions("washing_set", (sink,), (0.94, 1.03, 1.13, 1.23, 1.33), _DEPTHS_M)
-        yield from editions("washing_set", (tower, sink), (1.42, 1.5, 1.6, 1.68), _DEPTHS_M)
-
-
-DESIGNS = (
-    *editions("washing_machine", (_WASHER,), (0.57, 0.6, 0.65), (0.53, 0.58, 0.64)),
-    *_sets(),
-)

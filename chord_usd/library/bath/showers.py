@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Literal
 
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.library.bath.rims import felt_bowl
-from chord_usd.library.kit.model import Part, Style, editions
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -284,34 +283,3 @@ def _hand_shower(x: float, y: float) -> tuple[Solid, Solid]:
         5,
     )
     return joined([slide, arm, handle, head]), tube(loop, 0.0065, 10)
-
-
-_SHOWER = {
-    "chrome": {"ceramic": "ceramic", "glass": "glass", "metal": "chrome"},
-    "black_metal": {"ceramic": "ceramic", "glass": "glass", "metal": "black_metal"},
-    "brass": {"ceramic": "ceramic_grey", "glass": "glass", "metal": "brass"},
-}
-
-_QUADRANT = Style(
-    "Shower_Quadrant", partial(shower, kind="corner"), _SHOWER, 2.15, ("scandinavian", "classic")
-)
-_CABIN = Style(
-    "Shower_Cabin",
-    partial(shower, kind="cabin"),
-    _SHOWER,
-    2.15,
-    ("classic", "scandinavian", "japanese"),
-)
-_WALK_IN = Style("Shower_Walk_In", shower, _SHOWER, 2.15, ("modern", "scandinavian", "japanese"))
-_GRIDDED = Style("Shower_Gridded", partial(shower, kind="gridded"), _SHOWER, 2.15, ("industrial",))
-
-_SMALL_M = (0.78, 0.86, 0.94)
-DESIGNS = (
-    *editions("shower", (_CABIN, _QUADRANT), _SMALL_M, _SMALL_M),
-    *editions("shower", (_WALK_IN,), _SMALL_M, _SMALL_M),
-    *editions("shower", (_GRIDDED,), _SMALL_M, _SMALL_M),
-    *editions("shower", (_CABIN,), (1.03, 1.12, 1.21, 1.3, 1.38), (0.82, 0.9, 1.0)),
-    *editions("shower", (_WALK_IN,), (1.03, 1.12, 1.21, 1.3, 1.38), (0.82, 0.9, 1.0, 1.1)),
-    *editions("shower", (_GRIDDED,), (1.03, 1.12, 1.21, 1.3, 1.38), (0.82, 0.9, 1.0, 1.1)),
-    *editions("shower", (_QUADRANT,), (0.97,), (1.02, 1.1)),
-)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Literal
 
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.library.bath.ceramics import CERAMIC
 from chord_usd.library.kit.leaf_clearance import CLEAR_M
-from chord_usd.library.kit.model import Part, Style, editions, moving_part
+from chord_usd.library.kit.model import Part, moving_part
 from chord_usd.library.kit.moves import Hinge, Leaf, Moving, lid
 from chord_usd.library.kit.solids import (
     Size,
@@ -319,27 +317,3 @@ def _frame(size_m: Size, tank_w: float) -> list[Part]:
         Part("Cistern_Lid", cap, "cap"),
         Part("Flush_Button", joined([plate, *keys]), "metal", collider=None),
     ]
-
-
-_WOODEN_SEAT = {
-    "walnut": {"ceramic": "ceramic", "seat": "walnut", "metal": "brass"},
-    "oak": {"ceramic": "ceramic", "seat": "oak", "metal": "chrome"},
-    "white": {"ceramic": "ceramic", "seat": "plastic_white", "metal": "chrome"},
-}
-_COUPLED = Style("Toilet", toilet, CERAMIC, 0.8, ("scandinavian", "industrial"))
-_FRAMED = Style(
-    "Toilet_Wall_Frame", partial(toilet, kind="framed"), CERAMIC, 0.85, ("modern", "industrial")
-)
-_CLASSIC = Style(
-    "Toilet_Classic", partial(toilet, kind="classic"), _WOODEN_SEAT, 0.82, ("classic",)
-)
-_WASHLET = Style("Toilet_Washlet", partial(toilet, kind="washlet"), CERAMIC, 0.78, ("japanese",))
-
-DESIGNS = tuple(
-    design
-    for style in (_COUPLED, _FRAMED, _CLASSIC, _WASHLET)
-    for design in (
-        *editions("toilet", (style,), (0.37,), (0.54, 0.6)),
-        *editions("toilet", (style,), (0.4,), (0.63, 0.68, 0.74)),
-    )
-)

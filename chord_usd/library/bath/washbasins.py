@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -16,7 +15,7 @@ from chord_usd.library.bath.taps import (
     tall_basin_tap,
 )
 from chord_usd.library.kit.joinery import FRONT_M, cells, felt_around
-from chord_usd.library.kit.model import Part, Style, editions, hollow_part, steps
+from chord_usd.library.kit.model import Part, hollow_part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -32,7 +31,6 @@ from chord_usd.library.kit.solids import (
     tube,
 )
 from chord_usd.library.kitchen.kitchen_fronts import (
-    FORM_STYLES,
     FrontForm,
     kitchen_fronts,
     reach_m,
@@ -341,69 +339,3 @@ def pedestal_basin(size_m: Size, *, tap: BasinTap = "lever") -> tuple[Part, ...]
             above=True,
         ),
     )
-
-
-def _vanity(front: str, counter: str, metal: str, *, vessel: str = "ceramic") -> dict[str, str]:
-    return {
-        "body": front,
-        "front": front,
-        "counter": counter,
-        "ceramic": "ceramic",
-        "vessel": vessel,
-        "metal": metal,
-        "handle": metal,
-        "plinth": "graphite",
-        "channel": "graphite",
-    }
-
-
-_LOOKS = {
-    "oak": _vanity("oak", "oak", "chrome"),
-    "white": _vanity("white", "quartz", "chrome"),
-    "walnut": _vanity("walnut", "marble", "black_metal"),
-    "pale_oak": _vanity("pale_oak", "quartz", "black_metal"),
-    "graphite": _vanity("graphite", "dark_walnut", "black_metal", vessel="concrete"),
-    "forest": _vanity("forest", "marble", "brass"),
-    "warm_white": _vanity("warm_white", "walnut", "brass"),
-    "sage": _vanity("sage", "birch", "brass"),
-}
-_PEDESTALS = {
-    "chrome": {"ceramic": "ceramic", "metal": "chrome"},
-    "brass": {"ceramic": "ceramic", "metal": "brass"},
-    "black_metal": {"ceramic": "ceramic", "metal": "black_metal"},
-}
-_PEDESTAL = Style(
-    "Washbasin_Pedestal", partial(pedestal_basin, tap="cross"), _PEDESTALS, 0.85, ("classic",)
-)
-_SMALL = Style("Washbasin_Column", pedestal_basin, _PEDESTALS, 0.85)
-_FLAT = Style(
-    "Washbasin_Drawers", partial(vanity, tap="block"), _LOOKS, 0.86, ("modern", "scandinavian")
-)
-_SHAKER = Style(
-    "Washbasin_Shaker",
-    partial(vanity, form="shaker", tap="cross"),
-    _LOOKS,
-    0.87,
-    FORM_STYLES["shaker"],
-)
-_BAR = Style("Washbasin_Bars", partial(vanity, form="bar"), _LOOKS, 0.86, ("scandinavian",))
-_SLATTED = Style("Washbasin_Slatted", vessel_unit, _LOOKS, 0.87, FORM_STYLES["slatted"])
-_PLATE = Style(
-    "Washbasin_Vessel",
-    partial(vessel_unit, form="handleless", kind="oblong", wall_tap=True),
-    _LOOKS,
-    0.87,
-    ("modern",),
-)
-_CONSOLE = Style("Washbasin_Console", console, _LOOKS, 0.86, FORM_STYLES["bar"][:1])
-
-_WIDTHS_M = (0.44, 0.52)
-DESIGNS = (
-    *editions("washbasin", (_SMALL,), (0.38, 0.45, 0.52), (0.28, 0.36, 0.44)),
-    *editions("washbasin", (_PEDESTAL,), (0.55, 0.62), (0.44, 0.5)),
-    *editions("washbasin", (_FLAT, _PLATE), steps(0.6, 1.3), _WIDTHS_M),
-    *editions("washbasin", (_SHAKER,), steps(0.65, 1.25), _WIDTHS_M),
-    *editions("washbasin", (_BAR,), steps(0.65, 1.25, 0.2), _WIDTHS_M),
-    *editions("washbasin", (_SLATTED,), steps(0.65, 1.25), _WIDTHS_M),
-    *editions("washbasin", (_CONSOLE,), steps(0.65, 1.25, 0.15), _WIDTHS_M),
-)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -14,9 +13,8 @@ from chord_usd.library.cloth.bedding import MATTRESS_INSET_M
 from chord_usd.library.cloth.stored import Cloth, stored
 from chord_usd.library.cloth.stuffed import Filling, stuffed
 from chord_usd.library.kit.joinery import four_legs
-from chord_usd.library.kit.model import Collider, Design, Part, Style, editions
+from chord_usd.library.kit.model import Collider, Part
 from chord_usd.library.kit.solids import Size, Solid, block, joined, rounded_slab, soft_block
-from chord_usd.library.surfaces.textiles import BED_LINEN
 
 Bedding = Literal["smooth", "rumpled"]
 Base = Literal["rails", "box", "platform", "tubes"]
@@ -169,100 +167,3 @@ def _leaning(
     low, high = solid.bounds_m()
     solid = solid.moved(x, back + 0.006 - float(high[1]), top - 0.03 - float(low[2]))
     return solid, cloth.corner_uvs_m()
-
-
-def _ways(
-    woods: tuple[str, ...], pads: tuple[str, ...], covers: tuple[tuple[str, str, str], ...],
-    leg: str = "",
-) -> dict[str, dict[str, str]]:  # fmt: skip
-    """Colourways: each wood or pad with duvet, pillow and sheet in turn; named by wood, duvet."""
-    found = {}
-    for index in range(max(len(woods), len(pads)) * 2):
-        wood, pad = woods[index % len(woods)], pads[(index + index // 2) % len(pads)]
-        duvet, pillow, sheet = covers[index % len(covers)]
-        name = f"{wood if len(woods) > 1 else pad.rsplit('_', 1)[0]}_{duvet.rsplit('_', 1)[0]}"
-        found[name] = {
-            "frame": wood, "leg": leg or wood, "pad": pad, "duvet": _slept_in(duvet),
-            "pillow": _slept_in(pillow), "sheet": _slept_in(sheet),
-        }  # fmt: skip
-    return found
-
-
-def _slept_in(cloth: str) -> str:
-    """The finish of a cloth on a bed: woven ones are creased, velvet stays as it is."""
-    return cloth if cloth.endswith("_velvet") else f"{cloth}_bedding"
-
-
-_SCANDI = _ways(
-    ("pale_oak", "birch", "oak", "white"), ("linen",),
-    (("white_cloth", "sage_linen", "white_cloth"), ("linen", "white_cloth", "cream_cloth"),
-     ("white_cloth", "blush_linen", "linen"), ("sage_linen", "white_cloth", "white_cloth"),
-     ("oat_linen", "linen", "white_cloth")),
-)  # fmt: skip
-_MODERN = _ways(
-    ("black_stain",), ("grey_cloth", "charcoal_cloth", "cream_cloth", "teal_velvet"),
-    (("white_cloth", "grey_linen", "white_cloth"), ("grey_linen", "charcoal_linen", "white_cloth"),
-     ("white_cloth", "oat_linen", "cream_cloth")),
-)  # fmt: skip
-_MODERN_WOOD = _ways(
-    ("oak", "walnut", "black_stain"), ("grey_cloth",),
-    (("white_cloth", "grey_linen", "white_cloth"), ("oat_linen", "charcoal_linen", "white_cloth"),
-     ("grey_linen", "white_cloth", "white_cloth")),
-)  # fmt: skip
-_CLASSIC = _ways(
-    ("dark_walnut",), ("cream_cloth", "navy_velvet", "forest_velvet", "burgundy_velvet"),
-    (("white_cotton", "cream_cloth", "white_cloth"), ("cream_cotton", "gold_velvet", "white_cloth"),
-     ("white_cotton", "beige_linen", "cream_cloth")),
-)  # fmt: skip
-_CLASSIC_WOOD = _ways(
-    ("walnut", "cherry", "dark_walnut"), ("cream_cloth", "beige_cloth"),
-    (("cream_cotton", "beige_linen", "white_cloth"), ("white_cotton", "navy_cotton", "white_cloth"),
-     ("white_cotton", "burgundy_cotton", "cream_cloth")),
-)  # fmt: skip
-_INDUSTRIAL = _ways(
-    ("black_metal", "steel"), ("tan_leather",),
-    (("charcoal_linen", "grey_linen", "grey_cloth"), ("grey_linen", "rust_linen", "white_cloth"),
-     ("white_cloth", "charcoal_linen", "linen"), ("oat_linen", "charcoal_linen", "white_cloth")),
-)  # fmt: skip
-_JAPANESE = _ways(
-    ("oak", "pale_oak", "walnut", "black_stain"), ("linen",),
-    (("linen", "white_cloth", "white_cloth"), ("white_cloth", "linen", "linen"),
-     ("indigo_linen", "linen", "white_cloth"), ("moss_linen", "linen", "white_cloth")),
-)  # fmt: skip
-
-_SPINDLES = Style("Bed_Spindles", partial(bed, board="spindles", bedding="rumpled"), _SCANDI, 0.95)
-_PANEL = Style("Bed_Panel", partial(bed, board="panel", bedding="smooth"), _MODERN_WOOD, 0.9)
-_CHANNELS = Style(
-    "Bed_Channels", partial(bed, board="channels", bedding="smooth", base="box"), _MODERN, 1.1
-)
-_TUFTED = Style(
-    "Bed_Tufted", partial(bed, board="tufted", bedding="smooth", base="box"), _CLASSIC, 1.2
-)
-_FRAMED = Style("Bed_Framed", partial(bed, board="frame", bedding="smooth"), _CLASSIC_WOOD, 1.1)
-_TUBES = Style(
-    "Bed_Tubes", partial(bed, board="tubes", bedding="rumpled", base="tubes"), _INDUSTRIAL, 1.05
-)
-_LOW = Style(
-    "Bed_Low", partial(bed, board="low", bedding="smooth", base="platform", rows=1), _JAPANESE, 0.85
-)
-_STYLES: dict[str, tuple[str, ...]] = {
-    "Bed_Spindles": ("scandinavian",), "Bed_Panel": ("modern",),
-    "Bed_Channels": ("modern",), "Bed_Tufted": ("classic",), "Bed_Framed": ("classic",),
-    "Bed_Tubes": ("industrial",), "Bed_Low": ("japanese",),
-}  # fmt: skip
-
-
-def _every_size() -> tuple[Design, ...]:
-    """Each form in every size, so that a home's style never has to give way to a size."""
-    made = []
-    for style in (_SPINDLES, _PANEL, _CHANNELS, _TUFTED, _FRAMED, _TUBES, _LOW):
-        for lengths, widths in (
-            ((0.9, 1.0, 1.2), (1.97, 2.07)),
-            ((1.35, 1.5, 1.8, 2.0), (2.07, 2.17)),
-        ):
-            for design in editions("bed", (style,), lengths, widths):
-                made.append(replace(design, finishes=BED_LINEN, styles=_STYLES[style.name]))
-    return tuple(made)
-
-
-DESIGNS = _every_size()

@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.library.kit.dry_designs import design
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     lofted,
 )
 from chord_usd.library.kit.model import Part
@@ -192,70 +186,3 @@ def tubular_radiator(size_m: Size) -> tuple[Part, ...]:
         Part("Posts", joined([*posts, *stays]), "paint", None),
         Part("Valve", valve, "valve", None),
     )
-
-
-_PAINT = {
-    name: {
-        "paint": paint,
-        "shadow": "light_grey" if paint == "white" else "graphite",
-        "valve": valve,
-        "metal": "chrome",
-    }
-    for name, paint, valve in (
-        ("white", "white", "plastic_white"),
-        ("graphite", "graphite", "black"),
-    )
-}
-
-
-_CAST = {
-    name: {"paint": paint, "shadow": "graphite", "valve": valve, "metal": metal}
-    for name, paint, valve, metal in (
-        ("white", "warm_white", "antique_brass", "antique_brass"),
-        ("black_metal", "black_metal", "copper", "copper"),
-        ("gunmetal", "gunmetal", "antique_brass", "antique_brass"),
-    )
-}
-
-
-_MOST = (MODERN, SCANDINAVIAN, JAPANESE)
-
-
-DESIGNS = (
-    *(
-        design(
-            f"Radiator_Panel_{100 * x:.0f}",
-            "radiator",
-            (x, 0.1, 0.6),
-            panel_radiator,
-            _PAINT,
-            _MOST,
-        )
-        for x in (0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
-    ),
-    *(
-        design(
-            f"Radiator_Low_{100 * x:.0f}", "radiator", (x, 0.1, 0.4), panel_radiator, _PAINT, _MOST
-        )
-        for x in (0.8, 1.2, 1.6)
-    ),
-    *(
-        design(
-            f"Radiator_Columns_{100 * x:.0f}",
-            "radiator",
-            (x, 0.14, 0.6),
-            column_radiator,
-            _CAST,
-            (CLASSIC, INDUSTRIAL),
-        )
-        for x in (0.6, 0.8, 1.0, 1.2, 1.4)
-    ),
-    design(
-        "Radiator_Tubes_50",
-        "radiator",
-        (0.5, 0.08, 0.88),
-        tubular_radiator,
-        _PAINT,
-        (MODERN, INDUSTRIAL),
-    ),
-)

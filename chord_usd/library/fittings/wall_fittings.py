@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 
-from chord_usd.library.kit.dry_designs import design
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
     outward,
     stood_up,
 )
@@ -120,37 +116,3 @@ def socket(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
         Part(name, stood_up(joined(solids), back, height / 2), slot, None)
         for name, solids, slot in parts
     )
-
-
-_PLATE = {
-    name: {"plate": plate, "key": key, "shadow": "graphite", "metal": "steel"}
-    for name, plate, key in (
-        ("white", "plastic_white", "plastic_white"),
-        ("black", "plastic_black", "plastic_black"),
-        ("steel", "steel", "plastic_black"),
-        ("brass", "antique_brass", "antique_brass"),
-    )
-}
-
-
-DESIGNS = (
-    design("Light_Switch", "light_switch", (0.081, 0.011, 0.081), switch, _PLATE),
-    design(
-        "Light_Switch_Two_Rockers",
-        "light_switch",
-        (0.082, 0.011, 0.082),
-        partial(switch, rockers=2),
-        _PLATE,
-    ),
-    design(
-        "Light_Switch_Toggle",
-        "light_switch",
-        (0.08, 0.015, 0.12),
-        toggle,
-        {k: v for k, v in _PLATE.items() if k in ("brass", "black", "steel")},
-        (CLASSIC, INDUSTRIAL),
-    ),
-    design("Socket_Single", "socket", (0.081, 0.011, 0.081), socket, _PLATE),
-    design("Socket_Double", "socket", (0.152, 0.011, 0.081), partial(socket, count=2), _PLATE),
-    design("Socket_Triple", "socket", (0.223, 0.011, 0.081), partial(socket, count=3), _PLATE),
-)

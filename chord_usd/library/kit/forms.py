@@ -13,14 +13,6 @@ from chord_usd.base.scene.types import FloatArray, frozen_array
 from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, Solid, joined, lathe, loft, ring, welded
 
-MODERN, SCANDINAVIAN, CLASSIC, INDUSTRIAL, JAPANESE = (
-    "modern",
-    "scandinavian",
-    "classic",
-    "industrial",
-    "japanese",
-)
-
 _MITRE_M = 4e-5
 """Between two rails of a frame."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -111,40 +111,6 @@ class Design:
         bevel is harmless, stretching a wrong model would hide the mistake.
         """
         return with_clearance(fitted(self.draw(self.size_m), self.size_m, self.id), self.size_m)
-
-
-@dataclass(frozen=True)
-class Style:
-    """What the designs of a family share: all but length and width."""
-
-    name: str
-    draw: Draw
-    colourways: Mapping[str, Mapping[str, str]]
-    height_m: float
-    styles: tuple[str, ...] = ()
-    """Names of the styles of a home whose form it has; empty where it suits them all."""
-
-
-def editions(
-    category: str, styles: Sequence[Style], lengths_m: Sequence[float], widths_m: Sequence[float]
-) -> Iterator[Design]:
-    """A design for every length and width, the styles taking turns over the grid.
-
-    Neighbours in size differ in style, so that a house whose pieces are nearly alike does not look
-    as if it came from one shop.
-    """
-    for column, length in enumerate(lengths_m):
-        for row, width in enumerate(widths_m):
-            style = styles[(column + row) % len(styles)]
-            name = f"{style.name}_{100 * length:.0f}x{100 * width:.0f}"
-            size_m = (length, width, style.height_m)
-            yield Design(name, category, size_m, style.draw, style.colourways, styles=style.styles)
-
-
-def steps(first: float, last: float, step: float = 0.1) -> tuple[float, ...]:
-    """first, first + step, … up to last, rounded to millimetres."""
-    count = round((last - first) / step) + 1
-    return tuple(round(first + step * index, 3) for index in range(count))
 
 
 def fitted(

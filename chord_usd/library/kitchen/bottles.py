@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from chord_usd.library.kit.model import Part
@@ -16,7 +14,6 @@ from chord_usd.library.kit.solids import (
     rounded_profile,
     tube,
 )
-from chord_usd.library.kitchen.designing import design
 from chord_usd.library.kitchen.vessels import hollow
 
 
@@ -250,67 +247,3 @@ def shampoo(size_m: Size, *, count: int) -> tuple[Part, ...]:
             mark = _label(radius, tall * 0.2, tall * 0.5)
             parts.append(Part(f"Label_{name}", mark.moved(x, y), "label", collider=None))
     return tuple(parts)
-
-
-_WINES = {
-    "red": {"glass": "bottle_green", "label": "label", "cap": "wine"},
-    "dark": {"glass": "black_glass", "label": "label_dark", "cap": "brass"},
-}
-
-
-_OILS = {
-    "oak": {"oil": "oil", "vinegar": "vinegar", "label": "label", "cap": "steel", "wood": "oak"},
-    "walnut": {
-        "oil": "bottle_green",
-        "vinegar": "vinegar",
-        "label": "label",
-        "cap": "black",
-        "wood": "walnut",
-    },
-}
-
-
-_CARAFES = {
-    "cork": {"clear": "clear_glass", "water": "water", "cork": "cork"},
-    "oak": {"clear": "clear_glass", "water": "water", "cork": "oak"},
-}
-
-
-_SHAMPOOS = {
-    "white": {
-        "first": "plastic_white",
-        "second": "plastic_sage",
-        "third": "sand",
-        "cap": "plastic_white",
-        "label": "label_dark",
-    },
-    "amber": {
-        "first": "amber_glass",
-        "second": "amber_glass",
-        "third": "amber_glass",
-        "cap": "black",
-        "label": "label",
-    },
-    "blush": {
-        "first": "plastic_blush",
-        "second": "plastic_white",
-        "third": "plastic_blue",
-        "cap": "plastic_white",
-        "label": "label",
-    },
-}
-
-
-DESIGNS = (
-    design("Bottle_Kitchen_Wine", "bottle", (0.076, 0.076, 0.31), wine, _WINES),
-    design("Bottle_Kitchen_Oil", "bottle", (0.062, 0.062, 0.28), oil, _OILS),
-    design("Bottle_Kitchen_Oil_And_Vinegar", "bottle", (0.15, 0.11, 0.27), oil_pair, _OILS),
-    design("Bottle_Kitchen_Carafe", "bottle", (0.1, 0.1, 0.27), carafe, _CARAFES),
-    design("Bottle_Bath_Pair", "bottle", (0.15, 0.076, 0.2), partial(shampoo, count=2), _SHAMPOOS),
-    design(
-        "Bottle_Bath_Three", "bottle", (0.225, 0.076, 0.21), partial(shampoo, count=3), _SHAMPOOS
-    ),
-    design(
-        "Bottle_Bath_Single", "bottle", (0.067, 0.075, 0.19), partial(shampoo, count=1), _SHAMPOOS
-    ),
-)

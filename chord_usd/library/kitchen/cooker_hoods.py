@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-
 import numpy as np
 
 from chord_usd.library.kit.joinery import FRONT_M, cells
-from chord_usd.library.kit.model import Design, Part, hollow_part
+from chord_usd.library.kit.model import Part, hollow_part
 from chord_usd.library.kit.solids import (
     Size,
     block,
@@ -19,14 +16,11 @@ from chord_usd.library.kit.solids import (
     loft,
     ring,
 )
-from chord_usd.library.kitchen.designing import design, sized
 from chord_usd.library.kitchen.kitchen_fronts import (
-    FORM_STYLES,
     FrontForm,
     kitchen_fronts,
     reach_m,
 )
-from chord_usd.library.surfaces.kitchen_finishes import KITCHENS
 
 _WIDEST_DOOR_M = 0.5
 
@@ -147,81 +141,3 @@ def mantel_hood(size_m: Size) -> tuple[Part, ...]:
         Part("Shelf", loft([_shifted_ring(a, b, back, z) for a, b, z in shelf]), "front"),
         *_underside(length - 0.1, depth - 0.06, back, front=-depth / 2 + 0.02)[:2],
     )
-
-
-_FORMS: tuple[FrontForm, ...] = ("bar", "handleless", "shaker", "slatted")
-
-
-_HOODS = {
-    "steel": {
-        "metal": "steel",
-        "filter": "grey",
-        "glow": "lamp_shade",
-        "dark_glass": "black_glass",
-    },
-    "black_metal": {
-        "metal": "black_metal",
-        "filter": "graphite",
-        "glow": "lamp_shade",
-        "dark_glass": "black_glass",
-    },
-    "enamel": {
-        "metal": "white",
-        "filter": "steel",
-        "glow": "lamp_shade",
-        "dark_glass": "black_glass",
-    },
-}
-
-
-_MANTELS = {
-    "white": {"plaster": "warm_white", "front": "oak", "filter": "steel", "glow": "lamp_shade"},
-    "sage": {"plaster": "sage", "front": "sage", "filter": "steel", "glow": "lamp_shade"},
-    "walnut": {"plaster": "warm_white", "front": "walnut", "filter": "steel", "glow": "lamp_shade"},
-}
-
-
-def _hoods() -> Iterator[Design]:
-    for form in _FORMS:
-        styles = FORM_STYLES[form]
-        for length in (0.6, 0.9):
-            size = (length, 0.35, 0.54)
-            yield design(
-                sized(f"Hood_Built_In_{form.capitalize()}", size),
-                "cooker_hood",
-                size,
-                partial(built_in_hood, form=form),
-                KITCHENS,
-                styles,
-            )
-    for length in (0.6, 0.75, 0.9):
-        size = (length, 0.48, 0.92)
-        yield design(
-            sized("Hood_Chimney", size),
-            "cooker_hood",
-            size,
-            chimney_hood,
-            _HOODS,
-            ("industrial", "classic", "scandinavian", "modern"),
-        )
-        size = (length, 0.4, 0.92)
-        yield design(
-            sized("Hood_Slanted", size),
-            "cooker_hood",
-            size,
-            slanted_hood,
-            _HOODS,
-            ("modern", "japanese"),
-        )
-        size = (length, 0.5, 0.92)
-        yield design(
-            sized("Hood_Mantel", size),
-            "cooker_hood",
-            size,
-            mantel_hood,
-            _MANTELS,
-            ("classic", "scandinavian"),
-        )
-
-
-DESIGNS = tuple(_hoods())

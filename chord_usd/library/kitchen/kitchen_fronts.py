@@ -28,13 +28,6 @@ from chord_usd.library.kit.solids import (
 
 FrontForm = Literal["bar", "handleless", "shaker", "slatted"]
 
-FORM_STYLES: dict[FrontForm, tuple[str, ...]] = {
-    "bar": ("industrial", "scandinavian"),
-    "handleless": ("modern",),
-    "shaker": ("classic",),
-    "slatted": ("japanese",),
-}
-"""Styles of each form: one form per style, so that the cabinets of a kitchen match."""
 
 CHANNEL_M = 0.02
 """Height of the gap into which fingers reach."""

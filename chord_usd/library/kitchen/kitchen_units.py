@@ -6,24 +6,20 @@ as one kitchen. There is one form for each style of a home (kitchen_fronts.FORM_
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from chord_usd.library.bath.taps import SinkTap, sink_tap
 from chord_usd.library.kit.joinery import FRONT_M, cells, felt_around, plinth, shifted
-from chord_usd.library.kit.model import Design, Draw, Part, Style, editions, hollow_part, steps
+from chord_usd.library.kit.model import Part, hollow_part
 from chord_usd.library.kit.solids import Size, block, box, extruded, joined, ring
-from chord_usd.library.kitchen.kitchen_appliances import hob, microwave, oven, refrigerator
+from chord_usd.library.kitchen.kitchen_appliances import hob, microwave, oven
 from chord_usd.library.kitchen.kitchen_fronts import (
-    FORM_STYLES,
     FrontForm,
     kitchen_fronts,
     reach_m,
 )
-from chord_usd.library.kitchen.kitchen_looks import FRIDGE_LOOKS, LOOKS
 from chord_usd.library.kitchen.sinks import apron_sink, drainer_sink, undermount_bowl
 
 PLINTH_M = 0.1
@@ -83,12 +79,10 @@ class _Form:
         return Part("Worktop", plate, "worktop")
 
 
-_FORMS = {
-    "Bar": _Form("bar", 0.038, "swan"),
-    "Handleless": _Form("handleless", 0.022, "square"),
-    "Shaker": _Form("shaker", 0.034, "bridge"),
-    "Slatted": _Form("slatted", 0.028, "slim"),
-}
+BAR = _Form("bar", 0.038, "swan")
+HANDLELESS = _Form("handleless", 0.022, "square")
+SHAKER = _Form("shaker", 0.034, "bridge")
+SLATTED = _Form("slatted", 0.028, "slim")
 
 
 def door_cabinet(
@@ -310,76 +304,3 @@ def electrical_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
         *microwave(length - 0.008, 0.385, y, micro_z + 0.002),
         *kitchen_fronts(upper, y, form.fronts, low=True),
     )
-
-
-_DEPTHS_M = (0.55, 0.6)
-_CORNERS_M = (0.9, 1.0, 1.1)
-
-
-def _cabinets() -> Iterator[Design]:
-    """Every cabinet in every form, all forms in the same sizes."""
-    for name, form in _FORMS.items():
-
-        def style(kind: str, draw: Draw, height_m: float = HEIGHT_M) -> Style:
-            title = f"Kitchen_{name}_{kind}"  # noqa: B023 - called in this round of the loop only
-            return Style(title, draw, LOOKS, height_m, FORM_STYLES[form.fronts])  # noqa: B023
-
-        drawn = partial(partial, form=form)
-        single = (
-            style("Door", drawn(door_cabinet)),
-            style("Door_Plain", drawn(door_cabinet, has_drawers=False)),
-        )
-        double = (
-            style("Doors", drawn(door_cabinet, columns=2)),
-            style("Drawers", drawn(drawer_cabinet)),
-            style("Doors_Plain", drawn(door_cabinet, columns=2, has_drawers=False)),
-        )
-        cookers = (
-            style("Cooker_Gas", drawn(cooker_cabinet)),
-            style("Cooker_Glass", drawn(cooker_cabinet, gas=False)),
-        )
-        cookers = cookers[::-1] if form.fronts in ("handleless", "slatted") else cookers
-        low, tall = (style("Oven_Low", drawn(electrical_cabinet)),
-                     style("Oven_Tall", drawn(electrical_cabinet), 2.1))  # fmt: skip
-        corners = [
-            style(f"Corner{side}", drawn(corner_cabinet, hidden=hidden))
-            for side, hidden in (("Left", -1), ("Right", 1))
-        ]
-        yield from editions("single_door_floor_cabinet", single, (0.32, 0.4, 0.48, 0.55), _DEPTHS_M)
-        yield from editions("double_door_floor_cabinet", double, steps(0.6, 1.1), _DEPTHS_M)
-        yield from editions("cooker_cabinet", cookers, (0.61, 0.7, 0.8, 0.9), _DEPTHS_M)
-        yield from editions(
-            "sink_cabinet", (style("Sink", drawn(sink_cabinet)),), steps(0.6, 1.1), _DEPTHS_M
-        )
-        yield from editions("electrical_floor_cabinet", (low, tall), (0.6, 0.66), _DEPTHS_M)
-        yield from editions("electrical_floor_cabinet", (tall, low), (0.6,), _DEPTHS_M)
-        yield from editions("electrical_floor_cabinet", (style("Dishwasher", drawn(dishwasher)),),
-                            (0.45, 0.6), _DEPTHS_M)  # fmt: skip
-        pull_out = style("Pull_Out", drawn(pull_out_cabinet))
-        yield from editions("single_door_floor_cabinet", (pull_out,), (0.15, 0.2), _DEPTHS_M)
-        for corner in corners:
-            yield from editions("double_door_floor_cabinet", (corner,), _CORNERS_M, (0.6,))
-
-
-_FRIDGE = Style("Refrigerator", refrigerator, FRIDGE_LOOKS, 1.85)
-_DOUBLE = Style(
-    "Refrigerator_Double",
-    partial(refrigerator, kind="double"),
-    FRIDGE_LOOKS,
-    1.8,
-    ("modern", "industrial", "classic"),
-)
-_RETRO = Style(
-    "Refrigerator_Retro",
-    partial(refrigerator, kind="retro"),
-    FRIDGE_LOOKS,
-    1.6,
-    ("scandinavian", "classic"),
-)
-
-DESIGNS = (
-    *_cabinets(),
-    *editions("refrigerator", (_FRIDGE,), (0.58, 0.64, 0.7), (0.6, 0.66, 0.72)),
-    *editions("refrigerator", (_RETRO,), (0.6,), (0.66,)),
-    *editions("refrigerator", (_DOUBLE,), (0.91,), (0.66, 0.74)),
-)

@@ -6,7 +6,6 @@ import numpy as np
 
 from chord_usd.library.kit.solids import (
     Solid,
-    block,
     extruded,
     joined,
     lathe,
@@ -112,8 +111,3 @@ def apron_sink(length: float, width: float, tall: float) -> Solid:
     ]
     rings = [ring(length - 2 * i, width - 2 * i, corner, z, 5) for i, corner, z in outline]
     return loft(rings) + _drain(deep + 0.0035)
-
-
-def upstand(length: float, tall: float, thick: float) -> Solid:
-    """A strip of worktop at the wall, its back at y = 0."""
-    return block((length, thick, tall), 0.002).moved(y=-thick / 2)

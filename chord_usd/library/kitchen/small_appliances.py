@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from chord_usd.library.kit.model import Part
@@ -22,7 +20,6 @@ from chord_usd.library.kit.solids import (
     rounded_slab,
     tube,
 )
-from chord_usd.library.kitchen.designing import design
 from chord_usd.library.kitchen.vessels import hollow
 
 
@@ -371,61 +368,3 @@ def filter_machine(size_m: Size) -> tuple[Part, ...]:
 def _before(solid: Solid, y: float) -> Solid:
     """Turned about the upright axis of the jug, so that the grip shows to the front right."""
     return solid.moved(y=-y).turned("z", -50).moved(y=y)
-
-
-_KETTLES = {
-    "steel": {"metal": "brushed_steel", "grip": "black", "bow": "steel"},
-    "cream": {"metal": "enamel_cream", "grip": "oak", "bow": "steel"},
-    "black_metal": {"metal": "black_metal", "grip": "walnut", "bow": "black_metal"},
-    "white": {"metal": "white", "grip": "birch", "bow": "brass"},
-}
-_TOASTERS = {
-    "steel": {"metal": "brushed_steel", "trim": "black", "dark": "black"},
-    "cream": {"metal": "enamel_cream", "trim": "steel", "dark": "black"},
-    "black_metal": {"metal": "black_metal", "trim": "brass", "dark": "black"},
-    "white": {"metal": "white", "trim": "light_grey", "dark": "black"},
-}
-_MACHINES = {
-    "steel": {
-        "metal": "brushed_steel",
-        "chrome": "chrome",
-        "grip": "black",
-        "dark": "graphite",
-        "face": "white",
-        "cup": "ceramic",
-        "clear": "clear_glass",
-        "coffee": "coffee",
-    },
-    "cream": {
-        "metal": "enamel_cream",
-        "chrome": "chrome",
-        "grip": "walnut",
-        "dark": "graphite",
-        "face": "white",
-        "cup": "ceramic",
-        "clear": "clear_glass",
-        "coffee": "coffee",
-    },
-    "black_metal": {
-        "metal": "black_metal",
-        "chrome": "chrome",
-        "grip": "black",
-        "dark": "steel",
-        "face": "white",
-        "cup": "stoneware",
-        "clear": "clear_glass",
-        "coffee": "coffee",
-    },
-}
-DESIGNS = (
-    design("Kettle_Electric", "kettle", (0.22, 0.16, 0.24), kettle, _KETTLES),
-    design("Kettle_Stove", "kettle", (0.23, 0.19, 0.22), stove_kettle, _KETTLES),
-    design("Toaster", "toaster", (0.29, 0.17, 0.19), toaster, _TOASTERS),
-    design("Toaster_Retro", "toaster", (0.31, 0.19, 0.2), partial(toaster, retro=True), _TOASTERS),
-    design(
-        "Coffee_Machine_Espresso", "coffee_machine", (0.26, 0.32, 0.38), espresso_machine, _MACHINES
-    ),
-    design(
-        "Coffee_Machine_Filter", "coffee_machine", (0.19, 0.27, 0.34), filter_machine, _MACHINES
-    ),
-)

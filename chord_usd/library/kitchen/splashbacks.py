@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-
 import numpy as np
 
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -19,7 +16,6 @@ from chord_usd.library.kit.solids import (
     ring,
     tube,
 )
-from chord_usd.library.kitchen.designing import design, sized
 from chord_usd.library.kitchen.utensils import whisk_head
 
 _GROUT_M = 0.0028
@@ -155,89 +151,3 @@ def _tool(kind: int, top: float) -> tuple[Solid, Solid]:
     stem_low = {0: low + 0.04, 1: low + 0.08, 2: low + 0.026, 3: low + 0.1}[kind]
     stem = cylinder(0.0035, eye - stem_low + 0.01, 0.0, 8).moved(z=stem_low)
     return head + stem, grip
-
-
-_TILES = {
-    "white": {"tile": "ceramic", "grout": "light_grey"},
-    "sage": {"tile": "tile_sage", "grout": "warm_white"},
-    "navy": {"tile": "tile_navy", "grout": "light_grey"},
-    "graphite": {"tile": "tile_graphite", "grout": "graphite"},
-    "terracotta": {"tile": "tile_clay", "grout": "sand"},
-}
-
-
-_STONES = {
-    "marble": {"plate": "marble"},
-    "quartz": {"plate": "quartz"},
-    "dark_stone": {"plate": "dark_stone"},
-    "concrete": {"plate": "concrete"},
-}
-
-
-_GLASSES = {
-    "white": {"plate": "glazed_white"},
-    "sage": {"plate": "glazed_sage"},
-    "graphite": {"plate": "glazed_graphite"},
-    "steel": {"plate": "steel"},
-}
-
-
-_RUNS_M = (0.3, 0.38, 0.48, 0.6, 0.78, 1.0, 1.3, 1.7, 2.2, 2.8)
-
-
-_SPLASH_HEIGHT_M = 0.53
-
-
-def _splashbacks() -> Iterator[Design]:
-    for length in _RUNS_M:
-        size = (length, 0.01, _SPLASH_HEIGHT_M)
-        metro = partial(tiles, long=0.15, tall=0.076)
-        square = partial(tiles, long=0.1, tall=0.106, shift=0.0, lean_deg=0.9)
-        yield design(
-            sized("Splashback_Metro", size),
-            "splashback",
-            size,
-            metro,
-            _TILES,
-            ("classic", "industrial", "scandinavian"),
-        )
-        yield design(
-            sized("Splashback_Square", size),
-            "splashback",
-            size,
-            square,
-            _TILES,
-            ("scandinavian", "japanese"),
-        )
-        yield design(
-            sized("Splashback_Stone", size),
-            "splashback",
-            size,
-            slab,
-            _STONES,
-            ("modern", "classic", "industrial", "japanese"),
-        )
-        yield design(
-            sized("Splashback_Glass", size),
-            "splashback",
-            (length, 0.006, _SPLASH_HEIGHT_M),
-            slab,
-            _GLASSES,
-            ("modern",),
-        )
-
-
-_RAILS = {
-    "steel": {"metal": "steel", "steel": "steel", "grip": "black"},
-    "black_metal": {"metal": "black_metal", "steel": "steel", "grip": "walnut"},
-    "brass": {"metal": "brass", "steel": "steel", "grip": "oak"},
-}
-
-
-def _rails() -> Iterator[Design]:
-    for length in (0.4, 0.6, 0.8):
-        size = (length, 0.12, 0.34)
-        yield design(sized("Utensil_Rail", size), "utensil_rail", size, utensil_rail, _RAILS)
-
-
-DESIGNS = (*_splashbacks(), *_rails())

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import Literal
 
 import numpy as np
 
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -246,62 +245,3 @@ def drinks(size_m: Size, *, kind: Literal["bottle", "carafe"] = "bottle") -> tup
         glasses = [glass.moved(length / 2 - g, s * (width / 2 - g)) for s in (-1, 1)]
         parts.append(Part("Glasses", joined(glasses), "glass", felt=tuple(glasses)))
     return tuple(parts)
-
-
-_ORNAMENT = {
-    "white": {
-        "ceramic": "ceramic",
-        "stone": "marble",
-        "metal": "brass",
-        "wax": "cream_cloth",
-        "wick": "black",
-    },
-    "clay": {
-        "ceramic": "terracotta",
-        "stone": "dark_stone",
-        "metal": "black_metal",
-        "wax": "mattress",
-        "wick": "black",
-    },
-    "sage": {
-        "ceramic": "sage",
-        "stone": "concrete",
-        "metal": "steel",
-        "wax": "blush",
-        "wick": "black",
-    },
-}
-_TABLEWARE = {
-    "white": {"ceramic": "ceramic", "coffee": "coffee", "cloth": "grey_cloth", "metal": "steel",
-              "glass": "glass", "wood": "oak", "crust": "crust", "crumb": "cream_cloth",
-              "apple": "apple", "orange": "orange", "pear": "pear"},
-    "sage": {"ceramic": "sage", "coffee": "coffee", "cloth": "beige_cloth", "metal": "brass",
-             "glass": "glass", "wood": "walnut", "crust": "crust", "crumb": "cream_cloth",
-             "apple": "apple", "orange": "orange", "pear": "pear"},
-}  # fmt: skip
-_DRINK = {
-    "green": {"bottle": "bottle_green", "paper": "paper", "cork": "pale_oak", "glass": "glass"},
-    "red": {"bottle": "wine", "paper": "paper", "cork": "black", "glass": "glass"},
-}
-
-DESIGNS = (
-    Design("Vase", "small_ornament", (0.12, 0.12, 0.22), ornament, _ORNAMENT),
-    Design("Ring_Sculpture", "small_ornament", (0.15, 0.06, 0.2), partial(ornament, kind="ring"),
-           _ORNAMENT),
-    Design("Vase_Tall", "small_ornament", (0.09, 0.09, 0.28), ornament, _ORNAMENT),
-    Design("Ornament_Bowl", "small_ornament", (0.19, 0.19, 0.07), partial(ornament, kind="bowl"),
-           _ORNAMENT),
-    Design("Candles", "small_ornament", (0.2, 0.09, 0.13), partial(ornament, kind="candles"),
-           _ORNAMENT),
-    Design("Coffee_Mug", "coffee_cup", (0.11, 0.11, 0.1), coffee_cup, _TABLEWARE),
-    Design("Coffee_Cup", "coffee_cup", (0.14, 0.14, 0.08), coffee_cup, _TABLEWARE),
-    Design("Fruit_Bowl", "food", (0.27, 0.27, 0.16), fruit_bowl, _TABLEWARE),
-    Design("Fruit_Bowl_Small", "food", (0.2, 0.2, 0.13), fruit_bowl, _TABLEWARE),
-    Design("Bread_Board", "food", (0.33, 0.18, 0.11), bread_board, _TABLEWARE),
-    Design("Dinner_Set", "dinner_set", (0.44, 0.33, 0.12), dinner_set, _TABLEWARE),
-    Design("Plate_Set", "dinner_set", (0.38, 0.28, 0.02), partial(dinner_set, has_bowl=False),
-           _TABLEWARE),
-    Design("Bottle", "drinks", (0.08, 0.08, 0.3), drinks, _DRINK),
-    Design("Bottle_and_Glasses", "drinks", (0.25, 0.2, 0.3), partial(drinks, kind="carafe"),
-           _DRINK),
-)  # fmt: skip

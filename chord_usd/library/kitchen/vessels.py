@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from chord_usd.library.kit.solids import (
     rounded_profile,
     tube,
 )
-from chord_usd.library.kitchen.designing import design
 
 Profile = Sequence[tuple[float, float]]
 
@@ -312,87 +310,3 @@ def _plate(radius: float) -> Solid:
         ],
         32,
     )
-
-
-_JARS = {
-    "oak": {
-        "clear": "clear_glass",
-        "content": "pasta",
-        "second": "rice",
-        "third": "lentils",
-        "lid": "oak",
-        "metal": "steel",
-    },
-    "walnut": {
-        "clear": "clear_glass",
-        "content": "beans",
-        "second": "oats",
-        "third": "sugar",
-        "lid": "walnut",
-        "metal": "brass",
-    },
-    "birch": {
-        "clear": "clear_glass",
-        "content": "oats",
-        "second": "pasta",
-        "third": "beans",
-        "lid": "birch",
-        "metal": "black_metal",
-    },
-}
-
-
-_WARE = {
-    "white": {
-        "ware": "ceramic",
-        "second": "stoneware_blue",
-        "lid": "oak",
-        "apple": "apple",
-        "orange": "orange",
-        "pear": "pear",
-    },
-    "stoneware": {
-        "ware": "stoneware",
-        "second": "stoneware",
-        "lid": "walnut",
-        "apple": "apple",
-        "orange": "lemon",
-        "pear": "pear",
-    },
-    "dark": {
-        "ware": "stoneware_dark",
-        "second": "ceramic",
-        "lid": "oak",
-        "apple": "apple",
-        "orange": "orange",
-        "pear": "pear",
-    },
-}
-
-
-_WOODEN = {
-    "oak": {"ware": "oak", "apple": "apple", "orange": "orange", "pear": "pear"},
-    "walnut": {"ware": "walnut", "apple": "apple", "orange": "lemon", "pear": "pear"},
-}
-
-
-DESIGNS = (
-    design("Jar_Single_Wood", "jar", (0.1, 0.1, 0.2), jar, _JARS),
-    design("Jar_Single_Clip", "jar", (0.105, 0.11, 0.16), partial(jar, clip=True, fill=0.7), _JARS),
-    design("Jar_Row_Wood", "jar", (0.34, 0.105, 0.23), jar_row, _JARS),
-    design("Jar_Row_Clip", "jar", (0.36, 0.115, 0.22), partial(jar_row, clip=True), _JARS),
-    design("Jar_Row_Canisters", "jar", (0.4, 0.125, 0.2), canister_row, _WARE),
-    design("Bowl_Empty", "bowl", (0.26, 0.26, 0.1), bowl, _WARE),
-    design("Bowl_Empty_Small", "bowl", (0.16, 0.16, 0.075), bowl, _WARE),
-    design("Bowl_Fruit", "bowl", (0.3, 0.3, 0.14), fruit_bowl, _WARE),
-    design("Bowl_Fruit_Wood", "bowl", (0.34, 0.34, 0.15), fruit_bowl, _WOODEN),
-    design("Plate_Stack", "plate_stack", (0.27, 0.27, 0.06), plate_stack, _WARE),
-    design(
-        "Plate_Stack_Bowls",
-        "plate_stack",
-        (0.26, 0.26, 0.1),
-        partial(plate_stack, with_bowls=True),
-        _WARE,
-    ),
-    design("Plate_Stack_Small", "plate_stack", (0.2, 0.2, 0.05), plate_stack, _WARE),
-)

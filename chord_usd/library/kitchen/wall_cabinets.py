@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-
 from chord_usd.library.kit.joinery import FRONT_M, Cell, cells, hung
-from chord_usd.library.kit.model import Design, Part, hollow_part, moving_part
+from chord_usd.library.kit.model import Part, hollow_part, moving_part
 from chord_usd.library.kit.moves import door
 from chord_usd.library.kit.solids import (
     Size,
@@ -18,15 +15,12 @@ from chord_usd.library.kit.solids import (
     lathe,
     ring,
 )
-from chord_usd.library.kitchen.designing import design, sized
 from chord_usd.library.kitchen.kitchen_fronts import (
-    FORM_STYLES,
     FrontForm,
     kitchen_fronts,
     pull_bar,
     reach_m,
 )
-from chord_usd.library.surfaces.kitchen_finishes import KITCHENS
 
 _BOARD_M = 0.018
 
@@ -152,38 +146,3 @@ def _glazed_frame(cell: Cell, y: float, wide: float, *, crossed: bool) -> Solid:
         upright.moved(cell.x_m, y - FRONT_M / 2 - 0.001, cell.z_m + wide - 0.002),
         lying.moved(cell.x_m, y - FRONT_M / 2 - 0.001, cell.z_m + cell.height_m * 0.62),
     ])  # fmt: skip
-
-
-_FORMS: tuple[FrontForm, ...] = ("bar", "handleless", "shaker", "slatted")
-
-
-def _cabinets() -> Iterator[Design]:
-    for form in _FORMS:
-        looks, styles = KITCHENS, FORM_STYLES[form]
-        stem = f"Wall_Cabinet_{form.capitalize()}"
-        for length in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2):
-            size = (length, 0.35, 0.7)
-            yield design(
-                sized(stem, size),
-                "wall_cabinet",
-                size,
-                partial(wall_cabinet, form=form),
-                looks,
-                styles,
-            )
-        for length in (0.4, 0.6, 0.8, 1.0):
-            size = (length, 0.35, 0.7)
-            yield design(
-                sized(f"{stem}_Glazed", size),
-                "wall_cabinet",
-                size,
-                partial(glazed_cabinet, form=form),
-                looks,
-                styles,
-            )
-    for length in (0.3, 0.45, 0.6, 0.8, 1.0):
-        size = (length, 0.32, 0.7)
-        yield design(sized("Wall_Cabinet_Open", size), "wall_cabinet", size, open_cabinet, KITCHENS)
-
-
-DESIGNS = tuple(_cabinets())

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from chord_usd.library.kit.model import Part
@@ -21,8 +19,6 @@ from chord_usd.library.kit.solids import (
     rounded_slab,
     tube,
 )
-from chord_usd.library.kitchen.designing import design
-from chord_usd.library.kitchen.utensils import utensil_jar
 from chord_usd.library.kitchen.vessels import hollow
 
 
@@ -321,62 +317,3 @@ def knife_block(size_m: Size) -> tuple[Part, ...]:
         Part("Bolsters", joined(bolsters), "steel", collider=None),
         Part("Grips", joined(grips), "grip", collider=None),
     )
-
-
-_PANS = {
-    "steel": {"metal": "brushed_steel", "lid": "steel", "grip": "black", "iron": "cast_iron"},
-    "copper": {"metal": "copper", "lid": "copper", "grip": "brass", "iron": "cast_iron"},
-    "black_metal": {"metal": "cast_iron", "lid": "steel", "grip": "walnut", "iron": "black_metal"},
-}
-_CASSEROLES = {
-    "cream": {"enamel": "enamel_cream", "grip": "brass"},
-    "red": {"enamel": "enamel_red", "grip": "black"},
-    "blue": {"enamel": "enamel_blue", "grip": "steel"},
-    "cast_iron": {"enamel": "cast_iron", "grip": "brass"},
-}
-_BOARDS = {
-    "oak": {"wood": "oak", "second": "walnut"},
-    "walnut": {"wood": "walnut", "second": "birch"},
-    "birch": {"wood": "birch", "second": "oak"},
-}
-_STONE_BOARDS = {"marble": {"wood": "marble"}, "dark_stone": {"wood": "dark_stone"}}
-_BLOCKS = {
-    "oak": {"wood": "oak", "grip": "black", "steel": "steel"},
-    "walnut": {"wood": "walnut", "grip": "black", "steel": "steel"},
-    "black_stain": {"wood": "black_stain", "grip": "oak", "steel": "steel"},
-}
-_CROCKS = {
-    "white": {"ware": "ceramic", "wood": "oak", "steel": "steel"},
-    "stoneware": {"ware": "stoneware", "wood": "birch", "steel": "steel"},
-    "dark": {"ware": "stoneware_dark", "wood": "walnut", "steel": "steel"},
-}
-
-DESIGNS = (
-    design("Pot_Saucepan", "pot", (0.36, 0.18, 0.16), saucepan, _PANS),
-    design("Pot_Casserole", "pot", (0.32, 0.24, 0.2), casserole, _CASSEROLES),
-    design("Pot_Frying_Pan", "pot", (0.46, 0.28, 0.09), frying_pan, _PANS),
-    design("Cutting_Board", "cutting_board", (0.22, 0.1, 0.4), cutting_board, _BOARDS),
-    design(
-        "Cutting_Board_Pair",
-        "cutting_board",
-        (0.36, 0.089, 0.42),
-        partial(cutting_board, kind="pair"),
-        _BOARDS,
-    ),
-    design(
-        "Cutting_Board_Round",
-        "cutting_board",
-        (0.28, 0.1, 0.39),
-        partial(cutting_board, kind="round"),
-        _BOARDS,
-    ),
-    design(
-        "Cutting_Board_Stone",
-        "cutting_board",
-        (0.3, 0.08, 0.38),
-        partial(cutting_board, kind="stone"),
-        _STONE_BOARDS,
-    ),
-    design("Knife_Block", "knife_block", (0.12, 0.18, 0.24), knife_block, _BLOCKS),
-    design("Utensil_Jar", "utensil_jar", (0.147, 0.12, 0.317), utensil_jar, _CROCKS),
-)

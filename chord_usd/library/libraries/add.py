@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from chord_usd.base.errors import AssetError
@@ -28,10 +29,11 @@ class Added:
 
 def add_library(
     path: Path, folder: Path, *, most_triangles: int = MOST_TRIANGLES,
-    progress: Progress | None = None,
+    tags: Sequence[str] = (), progress: Progress | None = None,
 ) -> Added:  # fmt: skip
     """Convert the models of the library at path into the database in folder, beside those there.
 
+    tags: names of library.database.TAGS that every model gets, beside those of the manifest.
     A model whose id is taken gets a number. What cannot be used is refused, with its reason; the
     others are taken. Raises AssetError where the library cannot be read or nothing of it used.
     """
@@ -55,7 +57,8 @@ def add_library(
         if name != wanted:
             added.warnings.append(f"{model.id}: this id was there already; it is called {name}")
         taken.add(name)
-        added.assets.append(made.asset)
+        both = tuple(dict.fromkeys((*made.asset.tags, *tags)))
+        added.assets.append(replace(made.asset, tags=both))
         added.warnings += [f"{name}: {warning}" for warning in made.warnings]
         open_surfaces += made.is_open
     if progress is not None:

@@ -13,7 +13,7 @@ from chord_usd.base.errors import AssetError
 from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import Asset, FloatArray, frozen_array
 from chord_usd.library.component import ComponentInfo, write_component
-from chord_usd.library.database import SizeM
+from chord_usd.library.design_tables import SizeM
 from chord_usd.library.kit.model import Design, Part
 from chord_usd.library.kit.solids import Solid
 from chord_usd.library.libraries.categories import known_category, nearest_category
@@ -63,7 +63,7 @@ def convert(model: Model, path: Path, name: str, folder: Path, most_triangles: i
     design, is_open = _design(name, kind, size_m, sheets)
     info = ComponentInfo(model.licence or "unknown", model.author or "unknown", model.label)
     interface = write_component(design, folder, info)
-    asset = Asset(name, kind, size_m, interface, info.licence, info.author)
+    asset = Asset(name, kind, size_m, interface, info.licence, info.author, tags=model.tags)
     return Converted(asset, tuple(warnings), is_open)
 
 

@@ -9,7 +9,7 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Protocol
 
-from chord_usd.library.database import SizeM
+from chord_usd.library.design_tables import SizeM
 
 Axis = str
 """One of +x, -x, +y, -y, +z, -z."""
@@ -42,6 +42,8 @@ class Model:
     label: str = ""
     licence: str = ""
     author: str = ""
+    tags: tuple[str, ...] = ()
+    """Names of library.database.TAGS."""
 
 
 class Library(Protocol):

@@ -16,7 +16,8 @@ from chord_usd.base.errors import AssetError
 from chord_usd.base.runtime.archives import Archive
 from chord_usd.base.runtime.json_text import parse_json
 from chord_usd.base.runtime.scratch import scratch_folder
-from chord_usd.library.database import SizeM
+from chord_usd.library.database import TAGS
+from chord_usd.library.design_tables import SizeM
 from chord_usd.library.libraries.models import AXES, UNITS_M, Library, Model
 
 MANIFESTS = ("manifest.json", "manifest.csv")
@@ -57,7 +58,8 @@ class ManifestLibrary:
     """A folder of meshes and a list of them, as JSON or CSV.
 
     Of each: file and category; perhaps id, label, size_m or size_cm (length, width, height), unit
-    (m, cm, mm, in, ft), up and front (axes such as +y), licence, author.
+    (m, cm, mm, in, ft), up and front (axes such as +y), licence, author, tags (a list, or words
+    with spaces between; library.database.TAGS).
     """
 
     def __init__(self, folder: Path, manifest: Path) -> None:
@@ -91,6 +93,7 @@ class ManifestLibrary:
                 label=_told(row, "label"),
                 licence=_told(row, "licence", "license"),
                 author=_told(row, "author", "creator"),
+                tags=_tags(row.get("tags")),
             )
         except (KeyError, ValueError, TypeError, OverflowError) as error:
             raise AssetError(
@@ -271,6 +274,15 @@ def _csv_rows(text: str) -> list[Mapping[str, Any]]:
         sides = [row.get(f"{side}_m") or "" for side in ("length", "width", "height")]
         rows.append({**row, **({"size_m": sides} if all(sides) else {})})
     return rows
+
+
+def _tags(value: object) -> tuple[str, ...]:
+    """Tags of a list or of words; raises ValueError for an unknown tag."""
+    tags = tuple(map(str, value)) if isinstance(value, list) else tuple(str(value or "").split())
+    unknown = sorted(set(tags) - set(TAGS))
+    if unknown:
+        raise ValueError(f"the tag {unknown[0]!r} is unknown, use {', '.join(TAGS)}")
+    return tags
 
 
 def _size_m(row: Mapping[str, Any]) -> SizeM | None:

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     arc,
     hollow,
     outward,
     sphere_profile,
 )
-from chord_usd.library.kit.model import Design, Draw, Light, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -28,7 +21,6 @@ from chord_usd.library.kit.solids import (
     rounded_slab,
     tube,
 )
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 
 def disc(size_m: Size) -> tuple[Part, ...]:
@@ -245,125 +237,3 @@ def slats(size_m: Size) -> tuple[Part, ...]:
         Part("Core", core, "opal", None),
         Part("Plate", plate, "wood", None),
     )
-
-
-def _lamp(**looks: tuple[str, str]) -> dict[str, dict[str, str]]:
-    """Colourways of (metal or wood, trim), all with the same glowing parts."""
-    return {
-        name: {
-            "metal": metal,
-            "wood": metal,
-            "trim": trim,
-            "opal": "opal_glass",
-            "bulb": "bulb",
-            "shade": "linen_shade",
-        }
-        for name, (metal, trim) in looks.items()
-    }
-
-
-_PLAIN = _lamp(
-    white=("white", "white"),
-    black_metal=("black_metal", "black_metal"),
-    oak=("oak", "oak"),
-    brass=("brass", "brass"),
-)
-_METALS = _lamp(
-    brass=("brass", "brass"), black_metal=("black_metal", "brass"), chrome=("chrome", "chrome")
-)
-_RAW = _lamp(
-    black_metal=("black_metal", "antique_brass"),
-    gunmetal=("gunmetal", "black_metal"),
-    copper=("copper", "black_metal"),
-)
-_WOODS = _lamp(
-    oak=("oak", "oak"),
-    bamboo=("bamboo_wood", "bamboo_wood"),
-    walnut=("walnut", "walnut"),
-    black_stain=("black_stain", "black_stain"),
-)
-_CLOTH = {
-    name: {"metal": metal, "trim": trim, "opal": "opal_glass", "shade": shade}
-    for name, metal, trim, shade in (
-        ("linen", "brass", "linen", "linen_shade"),
-        ("white", "white", "white", "white_shade"),
-        ("grey", "black_metal", "charcoal_cloth", "grey_shade"),
-    )
-}
-
-
-def _design(
-    name: str, size_m: Size, draw: Draw, looks: dict, styles: tuple[str, ...], lumens: float
-) -> Design:
-    at = (0.0, 0.0, round(size_m[2] * 0.45, 3))
-    return Design(
-        name,
-        "ceiling_lamp",
-        size_m,
-        draw,
-        looks,
-        DRY,
-        styles,
-        Light(at, min(0.12, size_m[0] * 0.25), lumens),
-    )
-
-
-DESIGNS = (
-    *(
-        _design(
-            f"Ceiling_Disc_{100 * side:.0f}",
-            (side, side, 0.075),
-            disc,
-            _PLAIN,
-            (MODERN, SCANDINAVIAN),
-            1800 * side / 0.4,
-        )
-        for side in (0.28, 0.4, 0.55)
-    ),
-    *(
-        _design(
-            f"Ceiling_Drum_{100 * side:.0f}",
-            (side, side, 0.2),
-            drum,
-            _CLOTH,
-            (CLASSIC, SCANDINAVIAN, MODERN),
-            1500 * side / 0.4,
-        )
-        for side in (0.4, 0.55)
-    ),
-    *(
-        _design(
-            f"Ceiling_Bowl_{100 * side:.0f}",
-            (side, side, round(0.4 * side, 3)),
-            bowl,
-            _METALS,
-            (CLASSIC,),
-            1400 * side / 0.4,
-        )
-        for side in (0.34, 0.45)
-    ),
-    _design("Ceiling_Globe", (0.26, 0.26, 0.25), globe, _METALS, (CLASSIC, MODERN), 1100),
-    _design("Ceiling_Spots_3", (0.7, 0.12, 0.158), spots, _PLAIN, (MODERN, INDUSTRIAL), 1500),
-    _design(
-        "Ceiling_Spots_4",
-        (1.05, 0.12, 0.158),
-        partial(spots, count=4),
-        _PLAIN,
-        (MODERN, INDUSTRIAL),
-        2000,
-    ),
-    *(
-        _design(
-            f"Ceiling_Lattice_{100 * side:.0f}",
-            (side, side, 0.12),
-            lattice,
-            _WOODS,
-            (JAPANESE,),
-            1500 * side / 0.4,
-        )
-        for side in (0.35, 0.5)
-    ),
-    _design("Ceiling_Cage", (0.24, 0.24, 0.25), cage, _RAW, (INDUSTRIAL,), 900),
-    _design("Ceiling_Panel", (1.18, 0.3, 0.045), panel, _PLAIN, (MODERN, INDUSTRIAL), 3200),
-    _design("Ceiling_Slats", (0.42, 0.42, 0.13), slats, _WOODS, (SCANDINAVIAN, JAPANESE), 1400),
-)

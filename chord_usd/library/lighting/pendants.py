@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     arc,
     hollow,
     outward,
     sphere_profile,
 )
-from chord_usd.library.kit.model import Design, Light, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -29,7 +24,6 @@ from chord_usd.library.kit.solids import (
     lathe,
     tube,
 )
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 
 def _bulb(radius_m: float = 0.03) -> Solid:
@@ -338,80 +332,3 @@ def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
         "shade": "linen_shade",
     }
     return {name: {**base, **way} for name, way in ways.items()}
-
-
-def _metal(main: str, trim: str = "brass", **more: str) -> dict[str, str]:
-    return {"metal": main, "trim": trim, "wood": main, "weave": main, **more}
-
-
-_PAINTED = _looks(
-    black=_metal("black", "brass"),
-    white=_metal("white", "oak", cord="light_grey"),
-    sage=_metal("sage", "brass"),
-    rust=_metal("terracotta", "brass"),
-)
-_ENAMEL = _looks(
-    black_metal=_metal("black_metal", "antique_brass"),
-    gunmetal=_metal("gunmetal", "copper"),
-    green=_metal("forest", "brass"),
-)
-_GLASS = _looks(
-    brass=_metal("brass"),
-    black_metal=_metal("black_metal", "black_metal"),
-    chrome=_metal("chrome", "chrome"),
-)
-_AMBER = _looks(
-    black_metal=_metal("black_metal"),
-    brass=_metal("antique_brass"),
-    amber=_metal("black_metal", glass="amber_glass"),
-)
-_WOVEN = _looks(
-    rattan=_metal("black_metal", weave="rattan"),
-    dark=_metal("black_metal", weave="dark_rattan"),
-    white=_metal("white", weave="white_rattan", cord="light_grey"),
-)
-_WOOD = _looks(
-    oak=_metal("black_metal", wood="oak"),
-    bamboo=_metal("black_metal", wood="bamboo_wood"),
-    walnut=_metal("brass", wood="walnut"),
-)
-_PAPER = _looks(white=_metal("white", cord="light_grey"), black_metal=_metal("black_metal"))
-_CANDLES = _looks(
-    brass=_metal("antique_brass"),
-    black_metal=_metal("black_metal"),
-    white=_metal("chalk", shade="grey_shade"),
-)
-
-
-def _design(
-    name: str,
-    size_m: Size,
-    draw: Callable[[Size], tuple[Part, ...]],
-    looks: dict,
-    styles: tuple[str, ...],
-    light_m: float,
-    lumens: float = 800.0,
-) -> Design:
-    light = Light((0.0, 0.0, light_m), 0.05, lumens)
-    return Design(name, "pendant_lamp", size_m, draw, looks, DRY, styles, light)
-
-
-DESIGNS = (
-    _design("Pendant_Dome", (0.4, 0.4, 1.0), dome, _PAINTED, (MODERN, SCANDINAVIAN), 0.1),
-    _design(
-        "Pendant_Dome_Large", (0.55, 0.55, 1.05), dome, _PAINTED, (MODERN, SCANDINAVIAN), 0.12, 1000
-    ),
-    _design("Pendant_Factory", (0.42, 0.42, 1.0), factory, _ENAMEL, (INDUSTRIAL,), 0.06),
-    _design("Pendant_Globe", (0.3, 0.3, 0.95), opal, _GLASS, (MODERN, CLASSIC), 0.15),
-    _design("Pendant_Globe_Small", (0.2, 0.2, 0.85), opal, _GLASS, (MODERN, CLASSIC), 0.1, 500),
-    _design("Pendant_Rattan", (0.5, 0.5, 1.0), woven, _WOVEN, (SCANDINAVIAN, JAPANESE), 0.15),
-    _design("Pendant_Paper", (0.6, 0.6, 1.05), paper, _PAPER, (JAPANESE, SCANDINAVIAN), 0.27, 1000),
-    _design(
-        "Pendant_Paper_Small", (0.42, 0.42, 0.9), paper, _PAPER, (JAPANESE, SCANDINAVIAN), 0.19
-    ),
-    _design("Pendant_Layers", (0.48, 0.48, 0.95), layers, _PAINTED, (SCANDINAVIAN, MODERN), 0.1),
-    _design("Pendant_Chandelier", (0.72, 0.64, 0.95), chandelier, _CANDLES, (CLASSIC,), 0.2, 1400),
-    _design("Pendant_Beam", (1.2, 0.15, 0.95), beam, _GLASS, (MODERN, INDUSTRIAL), 0.006, 2000),
-    _design("Pendant_Cluster", (0.42, 0.42, 1.1), cluster, _AMBER, (INDUSTRIAL, MODERN), 0.3, 1000),
-    _design("Pendant_Slats", (0.38, 0.38, 0.95), slatted, _WOOD, (JAPANESE, SCANDINAVIAN), 0.2),
-)

@@ -8,17 +8,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     arc,
     hollow,
     outward,
     sphere_profile,
 )
-from chord_usd.library.kit.model import Design, Draw, Light, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -30,7 +25,6 @@ from chord_usd.library.kit.solids import (
     lathe,
     tube,
 )
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 
 def bulb(radius_m: float = 0.03) -> Solid:
@@ -370,86 +364,3 @@ def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
         "metal": "black_metal",
     }
     return {name: {**base, **way} for name, way in ways.items()}
-
-
-_CLOTH = _looks(
-    black={"shade": "white_shade", "trim": "white"},
-    brass={"metal": "brass"},
-    grey={"shade": "grey_shade", "trim": "charcoal_cloth"},
-)
-_CLASSIC = _looks(
-    brass={"metal": "antique_brass"}, bronze={"metal": "bronze"}, white={"metal": "chalk"}
-)
-_WOOD = _looks(
-    oak={},
-    walnut={"wood": "walnut", "metal": "brass"},
-    black_stain={"wood": "black_stain"},
-    bamboo={"wood": "bamboo_wood"},
-)
-_METAL = _looks(
-    black={"metal": "black", "trim": "brass"},
-    brass={"metal": "brass", "trim": "brass"},
-    white={"metal": "white", "trim": "white"},
-)
-_RAW = _looks(
-    black_metal={"trim": "antique_brass"}, gunmetal={"metal": "gunmetal", "trim": "copper"}
-)
-_PAPER = _looks(white={}, black_metal={"paper": "paper_shade", "metal": "gunmetal"})
-
-
-def _design(
-    name: str,
-    size_m: Size,
-    draw: Draw,
-    looks: dict,
-    styles: tuple[str, ...],
-    at_m: tuple[float, float, float],
-    lumens: float = 800.0,
-) -> Design:
-    return Design(name, "floor_lamp", size_m, draw, looks, DRY, styles, Light(at_m, 0.05, lumens))
-
-
-DESIGNS = (
-    _design(
-        "Floor_Lamp_Drum",
-        (0.42, 0.42, 1.55),
-        drum,
-        _CLOTH,
-        (MODERN, SCANDINAVIAN),
-        (0.0, 0.0, 1.41),
-    ),
-    _design(
-        "Floor_Lamp_Column", (0.42, 0.42, 1.6), classic, _CLASSIC, (CLASSIC,), (0.0, 0.0, 1.46)
-    ),
-    _design(
-        "Floor_Lamp_Tripod",
-        (0.46, 0.46, 1.5),
-        tripod,
-        _WOOD,
-        (SCANDINAVIAN, JAPANESE, MODERN),
-        (0.0, 0.0, 1.37),
-    ),
-    _design(
-        "Floor_Lamp_Bow",
-        (0.6, 0.28, 1.55),
-        bow_lamp,
-        _METAL,
-        (MODERN, SCANDINAVIAN),
-        (-0.16, 0.0, 1.35),
-    ),
-    _design(
-        "Floor_Lamp_Reader", (0.6, 0.3, 1.5), reader, _RAW, (INDUSTRIAL,), (-0.14, 0.0, 1.18), 600.0
-    ),
-    _design("Floor_Lamp_Paper", (0.3, 0.3, 1.25), column, _WOOD, (JAPANESE,), (0.0, 0.0, 0.62)),
-    _design(
-        "Floor_Lamp_Lantern",
-        (0.36, 0.36, 1.2),
-        lantern,
-        _PAPER,
-        (JAPANESE, SCANDINAVIAN),
-        (0.0, 0.0, 0.65),
-    ),
-    _design(
-        "Floor_Lamp_Globes", (0.31, 0.28, 1.6), globes, _METAL, (MODERN, CLASSIC), (0.0, 0.0, 1.5)
-    ),
-)

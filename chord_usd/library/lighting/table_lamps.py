@@ -7,18 +7,13 @@ from collections.abc import Callable
 import numpy as np
 
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     arc,
     hollow,
     outward,
     sphere_profile,
 )
 from chord_usd.library.kit.joinery import felt_round
-from chord_usd.library.kit.model import Design, Light, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     block,
@@ -29,7 +24,6 @@ from chord_usd.library.kit.solids import (
     tube,
 )
 from chord_usd.library.lighting.standing_lamps import bulb
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 Draw = Callable[[Size], tuple[Part, ...]]
 
@@ -292,72 +286,3 @@ def _looks(**ways: dict[str, str]) -> dict[str, dict[str, str]]:
         "ceramic": "stoneware",
     }
     return {name: {**base, **way} for name, way in ways.items()}
-
-
-_GLAZED = _looks(
-    brass={"ceramic": "celadon"},
-    black={
-        "ceramic": "dark_stoneware",
-        "metal": "black_metal",
-        "shade": "white_shade",
-        "trim": "white",
-    },
-    clay={"ceramic": "clay"},
-)
-_TURNED = _looks(
-    brass={"ceramic": "antique_brass"},
-    black={"ceramic": "dark_walnut"},
-    white={"ceramic": "chalk", "shade": "grey_shade", "trim": "grey_cloth"},
-)
-_PAINTED = _looks(
-    brass={"metal": "brass", "trim": "brass"},
-    black={"metal": "black", "trim": "brass"},
-    sage={"metal": "sage", "trim": "brass"},
-)
-_ARM = _looks(
-    brass={"metal": "antique_brass", "trim": "black_metal"},
-    black={"metal": "black_metal", "trim": "brass"},
-    white={"metal": "white", "trim": "oak"},
-)
-_WOOD = _looks(
-    brass={}, black={"wood": "black_stain", "metal": "black_metal"}, walnut={"wood": "walnut"}
-)
-
-
-def _design(
-    name: str,
-    size_m: Size,
-    draw: Draw,
-    looks: dict,
-    styles: tuple[str, ...],
-    light_m: float,
-    x_m: float = 0.0,
-) -> Design:
-    return Design(
-        name,
-        "table_lamp",
-        size_m,
-        draw,
-        looks,
-        DRY,
-        styles,
-        Light((x_m, 0.0, light_m), 0.03, 450.0),
-    )
-
-
-DESIGNS = (
-    _design("Lamp_Shade_Small", (0.22, 0.22, 0.4), ball, _GLAZED, (MODERN, SCANDINAVIAN), 0.28),
-    _design("Lamp_Shade_Large", (0.32, 0.32, 0.55), turned, _TURNED, (CLASSIC,), 0.4),
-    _design("Lamp_Shade", (0.26, 0.26, 0.45), ball, _GLAZED, (MODERN, SCANDINAVIAN, CLASSIC), 0.32),
-    _design(
-        "Lamp_Mushroom",
-        (0.24, 0.24, 0.36),
-        mushroom,
-        _PAINTED,
-        (MODERN, SCANDINAVIAN, INDUSTRIAL),
-        0.27,
-    ),
-    _design("Lamp_Globe", (0.2, 0.2, 0.3), globe, _WOOD, (MODERN, JAPANESE, SCANDINAVIAN), 0.2),
-    _design("Lamp_Paper_Box", (0.18, 0.18, 0.34), andon, _WOOD, (JAPANESE,), 0.16),
-    _design("Lamp_Arm", (0.36, 0.18, 0.46), desk_lamp, _ARM, (INDUSTRIAL, MODERN), 0.32, -0.08),
-)

@@ -7,18 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     arc,
     hollow,
     lofted,
     outward,
     sphere_profile,
 )
-from chord_usd.library.kit.model import Design, Draw, Light, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -31,7 +26,6 @@ from chord_usd.library.kit.solids import (
     tube,
 )
 from chord_usd.library.lighting.standing_lamps import bulb
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 
 def _plate(radius_m: float, back_y_m: float, z_m: float) -> Solid:
@@ -279,102 +273,3 @@ def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
         "plaster": "chalk",
     }
     return {name: {**base, **way} for name, way in ways.items()}
-
-
-_METAL = _looks(
-    black_metal={"shade": "white_shade"},
-    brass={"metal": "brass"},
-    chrome={"metal": "chrome", "shade": "white_shade"},
-)
-_RAW = _looks(
-    black_metal={}, gunmetal={"metal": "gunmetal", "trim": "copper"}, green={"metal": "forest"}
-)
-_WOOD = _looks(
-    oak={},
-    walnut={"wood": "walnut"},
-    black_stain={"wood": "black_stain"},
-    bamboo={"wood": "bamboo_wood"},
-)
-_CLASSIC = _looks(
-    brass={"metal": "antique_brass"}, bronze={"metal": "bronze"}, white={"metal": "chalk"}
-)
-_PLASTER = _looks(white={}, concrete={"plaster": "raw_concrete"}, clay={"plaster": "clay"})
-
-
-def _design(
-    name: str,
-    size_m: Size,
-    draw: Draw,
-    looks: dict,
-    styles: tuple[str, ...],
-    at_m: tuple[float, float, float],
-    lumens: float = 350.0,
-) -> Design:
-    return Design(name, "wall_lamp", size_m, draw, looks, DRY, styles, Light(at_m, 0.03, lumens))
-
-
-DESIGNS = (
-    _design(
-        "Wall_Lamp_Shade",
-        (0.18, 0.22, 0.26),
-        shaded,
-        _METAL,
-        (MODERN, SCANDINAVIAN, CLASSIC),
-        (0.0, -0.02, 0.22),
-    ),
-    _design(
-        "Wall_Lamp_Globe",
-        (0.14, 0.18, 0.22),
-        opal,
-        _METAL,
-        (MODERN, CLASSIC, SCANDINAVIAN),
-        (0.0, -0.02, 0.15),
-    ),
-    _design(
-        "Wall_Lamp_Up_Down",
-        (0.1, 0.09, 0.2),
-        up_down,
-        _METAL,
-        (MODERN, INDUSTRIAL),
-        (0.0, -0.005, 0.19),
-        500.0,
-    ),
-    _design("Wall_Lamp_Swing", (0.16, 0.28, 0.3), swing, _RAW, (INDUSTRIAL,), (0.0, -0.06, 0.05)),
-    _design(
-        "Wall_Lamp_Bar",
-        (0.5, 0.09, 0.08),
-        bar,
-        _METAL,
-        (MODERN, SCANDINAVIAN, INDUSTRIAL),
-        (0.0, -0.025, 0.04),
-        700.0,
-    ),
-    _design(
-        "Wall_Lamp_Bar_Short",
-        (0.35, 0.09, 0.08),
-        bar,
-        _METAL,
-        (MODERN, SCANDINAVIAN, INDUSTRIAL),
-        (0.0, -0.025, 0.04),
-        500.0,
-    ),
-    _design("Wall_Lamp_Washi", (0.2, 0.09, 0.34), washi, _WOOD, (JAPANESE,), (0.0, 0.0, 0.17)),
-    _design(
-        "Wall_Lamp_Candles",
-        (0.34, 0.18, 0.26),
-        candles,
-        _CLASSIC,
-        (CLASSIC,),
-        (0.0, -0.02, 0.24),
-        450.0,
-    ),
-    _design(
-        "Wall_Lamp_Dish",
-        (0.3, 0.14, 0.12),
-        dish,
-        _PLASTER,
-        (MODERN, JAPANESE, SCANDINAVIAN),
-        (0.0, 0.02, 0.1),
-        500.0,
-    ),
-)

@@ -8,11 +8,6 @@ from functools import partial
 import numpy as np
 
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     rng_of,
 )
 from chord_usd.library.kit.model import Design, Part
@@ -183,27 +178,6 @@ def _stand(
             group.append(solid.moved(x, y))
 
 
-def _palette(a: str, b: str, c: str, d: str, ink: str = "cream") -> dict[str, str]:
-    return {"cover_a": a, "cover_b": b, "cover_c": c, "cover_d": d, "page": "paper", "print": ink}
-
-
-_MUTED = {
-    "earth": _palette("book_clay", "book_sand", "book_slate", "book_ochre"),
-    "pale": _palette("book_white", "book_sand", "book_blush", "book_sage", "book_slate"),
-    "dark": _palette("book_ink", "book_slate", "book_white", "book_clay"),
-}
-_BOUND = {
-    "leather": _palette("book_wine", "book_moss", "book_tan", "book_navy", "gilt"),
-    "earth": _palette("book_tan", "book_sand", "book_moss", "book_clay", "gilt"),
-}
-_QUIET = {
-    "paper": _palette("book_white", "book_sand", "book_ink", "book_sage", "book_slate"),
-    "indigo": _palette("book_navy", "book_white", "book_slate", "book_sand"),
-}
-
-_MSI = (MODERN, SCANDINAVIAN, INDUSTRIAL)
-
-
 def _row(
     name: str,
     size_m: Size,
@@ -214,21 +188,3 @@ def _row(
 ) -> Design:
     draw = partial(book_row, seed=name, lean=lean, lying=lying)
     return Design(name, "book_row", size_m, draw, looks, DRY, styles)
-
-
-DESIGNS = (
-    _row("Books_15", (0.15, 0.17, 0.24), _MUTED, _MSI, lean=False),
-    _row("Books_22", (0.22, 0.18, 0.26), _MUTED, _MSI, lean=False),
-    _row("Books_30", (0.3, 0.18, 0.26), _MUTED, _MSI),
-    _row("Books_40", (0.4, 0.19, 0.27), _MUTED, _MSI),
-    _row("Books_50", (0.5, 0.19, 0.28), _MUTED, _MSI, lying=True),
-    _row("Books_60", (0.6, 0.2, 0.28), _MUTED, _MSI),
-    _row("Books_45_Low", (0.45, 0.15, 0.21), _MUTED, (), lying=True, lean=False),
-    _row("Books_25_Low", (0.25, 0.14, 0.2), _MUTED, (), lean=False),
-    _row("Books_Leather_20", (0.2, 0.17, 0.24), _BOUND, (CLASSIC,), lean=False),
-    _row("Books_Leather_32", (0.32, 0.18, 0.25), _BOUND, (CLASSIC,), lean=False),
-    _row("Books_Leather_48", (0.48, 0.19, 0.26), _BOUND, (CLASSIC,)),
-    _row("Books_Paper_12", (0.12, 0.15, 0.21), _QUIET, (JAPANESE,), lean=False),
-    _row("Books_Paper_28", (0.28, 0.16, 0.22), _QUIET, (JAPANESE,)),
-    _row("Books_Paper_42", (0.42, 0.17, 0.23), _QUIET, (JAPANESE,), lying=True, lean=False),
-)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import Literal
 
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.library.kit.forms import face_uvs, outward
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -24,7 +23,6 @@ from chord_usd.library.kit.solids import (
     rounded_slab,
     tube,
 )
-from chord_usd.library.pictures.prints_and_screens import PRINTED
 
 
 def _top_uvs(
@@ -267,49 +265,3 @@ def _digit(sign: str, length: float, height: float) -> Solid:
         "e": upright.moved(-side, z=bar),
     }
     return joined([spots[name] for name in _SEGMENTS[sign]])
-
-
-def _device(body: str, metal: str, keys: str, cloth: str) -> dict[str, str]:
-    return {
-        "body": body,
-        "metal": metal,
-        "keys": keys,
-        "cloth": cloth,
-        "bezel": "black_glass",
-        "digits": "flame",
-        "screen": "desktop_screen",
-        "page": "phone_screen",
-    }
-
-
-_DEVICE = {
-    "silver": _device("aluminium", "steel", "white", "grey_cloth"),
-    "dark": _device("gunmetal", "gunmetal", "black", "charcoal_cloth"),
-    "sand": _device("champagne", "champagne", "warm_white", "beige_cloth"),
-}
-_LAPTOP = {
-    name: {**look, "screen": "laptop_screen", "keys": "black"} for name, look in _DEVICE.items()
-}
-_TABLET = {name: {**look, "page": "tablet_screen"} for name, look in _DEVICE.items()}
-
-
-def _design(
-    name: str,
-    category: Literal["laptop", "all_in_one_computer", "electronic"],
-    size_m: Size,
-    draw,
-    looks,
-) -> Design:  # type: ignore[no-untyped-def]
-    return Design(name, category, size_m, draw, looks, PRINTED)
-
-
-DESIGNS = (
-    _design("Computer_Compact", "all_in_one_computer", (0.5, 0.36, 0.42), all_in_one, _DEVICE),
-    _design("Computer_Wide", "all_in_one_computer", (0.62, 0.42, 0.48), all_in_one, _DEVICE),
-    _design("Laptop_Small", "laptop", (0.3, 0.27, 0.21), laptop, _LAPTOP),
-    _design("Laptop_Large", "laptop", (0.36, 0.31, 0.24), laptop, _LAPTOP),
-    _design("Phone", "electronic", (0.075, 0.15, 0.01), slate, _DEVICE),
-    _design("Tablet", "electronic", (0.17, 0.24, 0.01), slate, _TABLET),
-    _design("Speaker", "electronic", (0.11, 0.11, 0.16), speaker, _DEVICE),
-    _design("Alarm_Clock", "electronic", (0.18, 0.07, 0.08), alarm_clock, _DEVICE),
-)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 
 from chord_usd.library.kit.forms import cup, face_uvs, flat_rail, frame_rails, rng_of
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -22,7 +21,6 @@ from chord_usd.library.kit.solids import (
     tube,
 )
 from chord_usd.library.objects.books import bound
-from chord_usd.library.pictures.prints_and_screens import PRINTED
 from chord_usd.library.plants.leaves import tapered
 
 _COVERS = ("cover_a", "cover_b", "cover_c")
@@ -261,47 +259,6 @@ def photo_frame(size_m: Size, *, mount_m: float = 0.018) -> tuple[Part, ...]:
     )
 
 
-_PRINT = {
-    "red": {
-        "cover_a": "book_clay",
-        "cover_b": "book_slate",
-        "cover_c": "book_ochre",
-        "paper": "paper",
-        "metal": "black_metal",
-        "print": "cream",
-        "picture": "magazine_cover",
-    },
-    "green": {
-        "cover_a": "book_sage",
-        "cover_b": "book_sand",
-        "cover_c": "book_navy",
-        "paper": "paper",
-        "metal": "antique_brass",
-        "print": "gilt",
-        "picture": "magazine_cover",
-    },
-    "pale": {
-        "cover_a": "book_white",
-        "cover_b": "book_blush",
-        "cover_c": "book_ink",
-        "paper": "paper",
-        "metal": "steel",
-        "print": "book_slate",
-        "picture": "magazine_cover",
-    },
-}
-_MAT = {
-    "charcoal": {"cloth": "felt_dark", "rim": "black"},
-    "tan": {"cloth": "tan_leather", "rim": "brown_leather"},
-}
-_PENS = {"cover_a": "book_navy", "cover_b": "book_ochre", "wood": "birch", "ink": "ink"}
-_CUP = {
-    "white": {"cup": "stoneware", **_PENS},
-    "black": {"cup": "black_metal", **_PENS, "cover_a": "book_clay"},
-    "oak": {"cup": "oak", **_PENS, "cover_b": "book_sage"},
-}
-
-
 def _frames(photo: str) -> dict[str, dict[str, str]]:
     base = {"mount": "mount_board", "photo": photo, "ink": "black"}
     return {
@@ -309,54 +266,3 @@ def _frames(photo: str) -> dict[str, dict[str, str]]:
         "black": {"wood": "black_stain", **base},
         "brass": {"wood": "antique_brass", **base},
     }
-
-
-DESIGNS = (
-    Design("Book_Lying", "lying_book", (0.15, 0.21, 0.025), lying_books, _PRINT, PRINTED),
-    Design("Book_Lying_Small", "lying_book", (0.13, 0.2, 0.03), lying_books, _PRINT, PRINTED),
-    Design(
-        "Books_Pair",
-        "lying_book",
-        (0.17, 0.24, 0.04),
-        partial(lying_books, count=2),
-        _PRINT,
-        PRINTED,
-    ),
-    Design(
-        "Books_Pile",
-        "lying_book",
-        (0.2, 0.27, 0.06),
-        partial(lying_books, count=3),
-        _PRINT,
-        PRINTED,
-    ),
-    Design("Books_Row_Short", "standing_book", (0.18, 0.18, 0.24), standing_books, _PRINT, PRINTED),
-    Design(
-        "Books_Row_Medium", "standing_book", (0.26, 0.18, 0.24), standing_books, _PRINT, PRINTED
-    ),
-    Design("Books_Row_Long", "standing_book", (0.36, 0.2, 0.26), standing_books, _PRINT, PRINTED),
-    Design("Magazine", "magazine", (0.21, 0.28, 0.008), magazine, _PRINT, PRINTED),
-    Design("Desk_Mat", "big_mouse_pad", (0.8, 0.35, 0.004), mouse_pad, _MAT, PRINTED),
-    Design("Desk_Mat_Small", "big_mouse_pad", (0.7, 0.32, 0.004), mouse_pad, _MAT, PRINTED),
-    Design("Desk_Mat_Large", "big_mouse_pad", (0.9, 0.4, 0.004), mouse_pad, _MAT, PRINTED),
-    Design("Pen_Cup", "pen_holder", (0.09, 0.09, 0.18), pen_holder, _CUP, PRINTED),
-    Design(
-        "Photo_Portrait",
-        "photo_frame",
-        (0.17, 0.09, 0.22),
-        photo_frame,
-        _frames("photo_face"),
-        PRINTED,
-    ),
-    Design(
-        "Photo_Square", "photo_frame", (0.2, 0.08, 0.2), photo_frame, _frames("photo_fern"), PRINTED
-    ),
-    Design(
-        "Photo_Landscape",
-        "photo_frame",
-        (0.27, 0.09, 0.2),
-        photo_frame,
-        _frames("photo_sea"),
-        PRINTED,
-    ),
-)

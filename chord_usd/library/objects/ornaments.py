@@ -6,13 +6,7 @@ import math
 
 import numpy as np
 
-from chord_usd.library.kit.dry_designs import design
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     ball,
     cup,
     hollow,
@@ -358,88 +352,3 @@ def jar_candle(size_m: Size) -> tuple[Part, ...]:
         Part("Label", label, "label", None),
         Part("Wick", cylinder(0.0012, 0.012, 0.0, 6).moved(z=height * 0.66), "wick", None),
     )
-
-
-_SCULPTURE = {
-    name: {"body": body, "stone": stone, "accent": accent}
-    for name, body, stone, accent in (
-        ("white", "chalk", "walnut", "brass"),
-        ("black", "dark_stoneware", "oak", "antique_brass"),
-        ("bronze", "bronze", "dark_stone", "antique_brass"),
-        ("clay", "clay", "chalk", "brass"),
-    )
-}
-
-
-_STONES = {
-    "grey": {"body": "raw_concrete", "stone": "stoneware"},
-    "black": {"body": "dark_stoneware", "stone": "raw_concrete"},
-}
-
-
-_CANDLE = {
-    name: {"holder": holder, "wax": wax, "wick": "ink", "glass": "clear_glass", "label": "cream"}
-    for name, holder, wax in (
-        ("brass", "antique_brass", "wax"),
-        ("black", "black_metal", "wax"),
-        ("oak", "oak", "wax_sage"),
-        ("rust", "black_metal", "wax_rust"),
-    )
-}
-
-
-_JAR = {
-    name: {"glass": glass, "wax": "wax", "wick": "ink", "label": label}
-    for name, glass, label in (
-        ("clear", "clear_glass", "cream"),
-        ("amber", "amber_glass", "cream"),
-        ("smoke", "smoked_glass", "book_ink"),
-    )
-}
-
-
-DESIGNS = (
-    design(
-        "Sculpture_Knot", "sculpture", (0.22, 0.1, 0.26), knot, _SCULPTURE, (MODERN, SCANDINAVIAN)
-    ),
-    design(
-        "Sculpture_Arches",
-        "sculpture",
-        (0.18, 0.07, 0.2),
-        arch_stack,
-        _SCULPTURE,
-        (MODERN, SCANDINAVIAN),
-    ),
-    design(
-        "Sculpture_Pebbles",
-        "sculpture",
-        (0.14, 0.1, 0.24),
-        pebbles,
-        _STONES,
-        (JAPANESE, SCANDINAVIAN),
-    ),
-    design(
-        "Sculpture_Bust", "sculpture", (0.16, 0.2, 0.32), bust, _SCULPTURE, (CLASSIC, INDUSTRIAL)
-    ),
-    design(
-        "Sculpture_Discs", "sculpture", (0.26, 0.08, 0.24), discs, _SCULPTURE, (MODERN, INDUSTRIAL)
-    ),
-    design("Candles_Tray", "candle", (0.2, 0.15, 0.14), pillars, _CANDLE, ()),
-    design(
-        "Candles_Tapers",
-        "candle",
-        (0.19, 0.08, 0.3),
-        tapers,
-        _CANDLE,
-        (SCANDINAVIAN, CLASSIC, MODERN),
-    ),
-    design(
-        "Candle_Lantern",
-        "candle",
-        (0.14, 0.14, 0.28),
-        lantern,
-        _CANDLE,
-        (INDUSTRIAL, SCANDINAVIAN, JAPANESE),
-    ),
-    design("Candle_Jar", "candle", (0.085, 0.085, 0.1), jar_candle, _JAR, ()),
-)

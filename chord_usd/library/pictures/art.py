@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from PIL import Image, ImageChops, ImageDraw, ImageFilter
+from PIL import Image, ImageDraw, ImageFilter
 
 from chord_usd.base.scene.types import FloatArray
 
@@ -425,8 +425,3 @@ def moons(rng: Rng, size: SizePx, palette: Palette = PALE) -> Image.Image:
         tone = np.array((228, 220, 200), dtype=np.float64) + 12.0 * crater[..., None]
         image = masked(image, tone, disc * (0.1 + 0.9 * lit))
     return textured(image, rng, 5.0, 0.0)
-
-
-def overlaid(image: Image.Image, ink: Image.Image) -> Image.Image:
-    """Two prints on one sheet: darker of both, as transparent inks do."""
-    return ImageChops.multiply(image, ink)

@@ -12,7 +12,6 @@ from chord_usd.library.pictures.art import (
     EARTH,
     INK,
     PALE,
-    PAPER,
     Palette,
     Rgb,
     Rng,
@@ -365,8 +364,3 @@ def branch(rng: Rng, size: SizePx) -> Image.Image:
 
     bough(np.array([width * -0.02, height * 0.62]), -0.35, side * 1.05, side * 0.024, 2)
     return textured(image.resize(size, Image.Resampling.LANCZOS), rng, 5.0, 0.0)
-
-
-def paper_only(rng: Rng, size: SizePx) -> Image.Image:
-    """Empty handmade paper."""
-    return textured(canvas(size, PAPER)[0], rng, 6.0, 0.0)

@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Literal
 
-from chord_usd.library.kit.dry_designs import design
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     hollow,
     outward,
     stood_up,
@@ -138,73 +131,3 @@ def square_clock(size_m: Size) -> tuple[Part, ...]:
         Part("Marks", stood_up(joined(marks).moved(z=face - 0.0005), back, z), "hand", None),
         Part("Hands", stood_up(joined(hands), back, z), "hand", None),
     )
-
-
-_CLOCK = {
-    name: {"rim": rim, "dial": dial, "mark": mark, "hand": mark}
-    for name, rim, dial, mark in (
-        ("black_metal", "black_metal", "white", "ink"),
-        ("oak", "oak", "warm_white", "ink"),
-        ("brass", "brass", "warm_white", "ink"),
-        ("walnut", "walnut", "chalk", "ink"),
-    )
-}
-
-
-_DARK_CLOCK = {
-    name: {"rim": rim, "dial": "black", "mark": mark, "hand": mark}
-    for name, rim, mark in (
-        ("black_metal", "black_metal", "antique_brass"),
-        ("rust", "copper", "cream"),
-    )
-}
-
-
-_MOST = (MODERN, SCANDINAVIAN, JAPANESE)
-
-
-DESIGNS = (
-    design(
-        "Clock_Bars", "clock", (0.3, 0.04, 0.3), clock, _CLOCK, (MODERN, SCANDINAVIAN, INDUSTRIAL)
-    ),
-    design(
-        "Clock_Dots",
-        "clock",
-        (0.25, 0.035, 0.25),
-        partial(clock, marks="dots", rim_m=0.012),
-        _CLOCK,
-        _MOST,
-    ),
-    design(
-        "Clock_Numerals",
-        "clock",
-        (0.36, 0.045, 0.36),
-        partial(clock, marks="numerals", rim_m=0.026),
-        _CLOCK,
-        (CLASSIC,),
-    ),
-    design(
-        "Clock_Dark",
-        "clock",
-        (0.4, 0.045, 0.4),
-        partial(clock, rim_m=0.012),
-        _DARK_CLOCK,
-        (INDUSTRIAL, MODERN),
-    ),
-    design(
-        "Clock_Open",
-        "clock",
-        (0.5, 0.03, 0.5),
-        open_clock,
-        {k: v for k, v in _CLOCK.items() if k in ("black_metal", "brass")},
-        (INDUSTRIAL, CLASSIC),
-    ),
-    design(
-        "Clock_Square",
-        "clock",
-        (0.24, 0.032, 0.24),
-        square_clock,
-        {k: v for k, v in _CLOCK.items() if k in ("oak", "walnut")},
-        (JAPANESE, SCANDINAVIAN),
-    ),
-)

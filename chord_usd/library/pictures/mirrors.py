@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     flat_rail,
     frame_rails,
     moulded_rail,
     outward,
 )
-from chord_usd.library.kit.model import Design, Draw, Part, moving_part
+from chord_usd.library.kit.model import Part, moving_part
 from chord_usd.library.kit.moves import door
 from chord_usd.library.kit.solids import (
     Size,
@@ -31,7 +25,6 @@ from chord_usd.library.kit.solids import (
     lathe,
     rounded_slab,
 )
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 
 def _upright(plate: Solid, front_y_m: float, thick_m: float) -> Solid:
@@ -197,111 +190,3 @@ def _frames(**finishes: str) -> dict[str, dict[str, str]]:
         name: {"frame": finish, "mirror": "mirror_glass", "back": "black", "slip": "black_stain"}
         for name, finish in finishes.items()
     }
-
-
-_METAL = _frames(black_metal="black_metal", brass="brass", chrome="chrome")
-_WOOD = _frames(oak="oak", walnut="walnut", black_stain="black_stain", white="white")
-_GILT = _frames(gilt="gilt", walnut="dark_walnut", white="chalk")
-_STEEL = _frames(black_metal="black_metal", gunmetal="gunmetal")
-_BATH = _frames(white="white", oak="oak", graphite="graphite")
-_BARE = _frames(clear="black")
-
-_ALL_BUT_CLASSIC = (MODERN, SCANDINAVIAN, INDUSTRIAL, JAPANESE)
-
-
-def _designs(
-    name: str, sizes_m: tuple[Size, ...], draw: Draw, looks: dict, styles: tuple[str, ...]
-) -> tuple[Design, ...]:
-    return tuple(
-        Design(
-            f"Mirror_{name}_{100 * s[0]:.0f}x{100 * s[2]:.0f}",
-            "mirror",
-            s,
-            draw,
-            looks,
-            DRY,
-            styles,
-        )
-        for s in sizes_m
-    )
-
-
-DESIGNS = (
-    *_designs(
-        "Round",
-        tuple((d, 0.026, d) for d in (0.5, 0.6, 0.8)),
-        round_mirror,
-        _METAL,
-        (MODERN, SCANDINAVIAN, INDUSTRIAL),
-    ),
-    *_designs(
-        "Round_Wood",
-        tuple((d, 0.03, d) for d in (0.5, 0.7)),
-        round_mirror,
-        _WOOD,
-        (SCANDINAVIAN, JAPANESE),
-    ),
-    *_designs(
-        "Arched",
-        ((0.55, 0.025, 0.85), (0.7, 0.025, 1.1), (0.75, 0.028, 1.8)),
-        arched,
-        _METAL,
-        (MODERN, CLASSIC),
-    ),
-    *_designs(
-        "Arched_Wood",
-        ((0.5, 0.028, 0.8), (0.65, 0.028, 1.65)),
-        partial(arched, rail_m=0.035),
-        _WOOD,
-        (SCANDINAVIAN, JAPANESE),
-    ),
-    *_designs(
-        "Framed",
-        ((0.45, 0.025, 0.65), (0.6, 0.025, 0.9), (0.8, 0.025, 0.6), (0.55, 0.028, 1.6)),
-        framed,
-        _WOOD,
-        (SCANDINAVIAN, MODERN, JAPANESE),
-    ),
-    *_designs(
-        "Steel",
-        ((0.5, 0.022, 0.7), (0.7, 0.022, 1.0), (1.0, 0.022, 0.7), (0.6, 0.022, 1.7)),
-        partial(framed, rail_m=0.014),
-        _STEEL,
-        (INDUSTRIAL, MODERN),
-    ),
-    *_designs(
-        "Moulded",
-        ((0.55, 0.04, 0.75), (0.7, 0.045, 1.0), (0.9, 0.045, 0.65), (0.7, 0.05, 1.7)),
-        partial(framed, rail_m=0.075, moulded=True),
-        _GILT,
-        (CLASSIC,),
-    ),
-    *_designs(
-        "Bare",
-        (
-            (0.45, 0.025, 0.6),
-            (0.6, 0.025, 0.8),
-            (0.8, 0.025, 0.65),
-            (1.0, 0.025, 0.7),
-            (1.2, 0.025, 0.7),
-        ),
-        bare,
-        _BARE,
-        (MODERN, INDUSTRIAL),
-    ),
-    *_designs(
-        "Shelf",
-        ((0.5, 0.12, 0.65), (0.6, 0.12, 0.75), (0.8, 0.12, 0.75)),
-        with_shelf,
-        _BATH,
-        _ALL_BUT_CLASSIC,
-    ),
-    *_designs(
-        "Cabinet",
-        ((0.45, 0.14, 0.65), (0.6, 0.14, 0.7), (0.8, 0.14, 0.7)),
-        cabinet,
-        _BATH,
-        (MODERN, SCANDINAVIAN),
-    ),
-    *_designs("Sunburst", ((0.75, 0.03, 0.75),), sunburst, _GILT, (CLASSIC,)),
-)

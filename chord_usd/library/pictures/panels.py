@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from chord_usd.library.kit.model import Design, Part, Style, editions, steps
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -26,10 +25,9 @@ from chord_usd.library.kit.solids import (
 from chord_usd.library.pictures.wall_pictures import (
     ART_SLOTS,
     art_finishes,
-    frame_looks,
     framed_art,
 )
-from chord_usd.library.surfaces.textiles import TEXTILES
+from chord_usd.library.surfaces.drawn import DrawnFinishes
 
 
 def padded_panel(size_m: Size, *, rows: int = 1, pitch_m: float = 0.2) -> tuple[Part, ...]:
@@ -198,128 +196,10 @@ def _wide(length: float, count: int) -> float:
     return (length - _GAP_M * (count - 1)) / count
 
 
-def _padding(cloth: str) -> dict[str, str]:
-    return {"cloth": cloth, "board": "graphite"}
-
-
-def _slats(wood: str, vase: str = "terracotta") -> dict[str, str]:
-    return {"wood": wood, "board": "black", "vase": vase, "books": "paper"}
-
-
-def _padded(cloths: tuple[str, ...]) -> dict[str, dict[str, str]]:
-    return {cloth.rsplit("_", 1)[0]: _padding(cloth) for cloth in cloths}
-
-
-_PADS = _padded(("grey_cloth", "charcoal_cloth", "cream_boucle", "teal_velvet", "beige_cloth"))
-_RICH_PADS = _padded(("cream_cloth", "beige_cloth", "navy_velvet", "forest_velvet",
-                      "burgundy_velvet"))  # fmt: skip
-_SOFT_PADS = _padded(("linen", "grey_cloth", "beige_cloth", "sage_linen", "blush_linen"))
-_LEATHER_PADS = _padded(("tan_leather", "brown_leather", "charcoal_cloth", "black_leather"))
-_SLATS = {
-    "oak": _slats("oak"),
-    "pale_oak": _slats("pale_oak"),
-    "birch": _slats("birch"),
-    "walnut": _slats("walnut", "ceramic"),
-    "dark_walnut": _slats("dark_walnut", "ceramic"),
-    "black_stain": _slats("black_stain"),
-    "white": _slats("warm_white"),
-}
-_Form = tuple[Style, tuple[str, ...]]
-_TILES = partial(padded_panel, rows=3, pitch_m=0.38)
-_HEADS: tuple[_Form, ...] = (
-    (Style("Bed_Panel_Channels", padded_panel, _PADS, 1.0), ("modern",)),
-    (Style("Bed_Panel_Slats", slatted_panel, _SLATS, 1.2), ("japanese",)),
-    (Style("Bed_Panel_Soft", partial(padded_panel, pitch_m=0.5), _SOFT_PADS, 1.0),
-     ("scandinavian",)),
-    (Style("Bed_Panel_Tiles", _TILES, _RICH_PADS, 1.05), ("classic",)),
-    (Style("Bed_Panel_Leather", partial(padded_panel, rows=4, pitch_m=0.9), _LEATHER_PADS, 1.1),
-     ("industrial",)),
-)  # fmt: skip
-_PAINTED = {name: _slats(name) for name in ("warm_white", "sage", "navy", "forest", "walnut")}
-_OLD_BOARDS = {name: _slats(name) for name in ("dark_walnut", "walnut", "oak", "black_stain")}
-_CALM = {name: _slats(name) for name in ("oak", "walnut", "graphite", "light_grey")}
-_WALLS = (
-    Style("Sofa_Flush", flush_wall, _CALM, 1.2, ("modern",)),
-    Style("Sofa_Boiserie", boiserie, _PAINTED, 1.25, ("classic",)),
-    Style("Sofa_Boards", plank_wall, _OLD_BOARDS, 1.2, ("industrial",)),
-    Style("Sofa_Slats", slatted_panel, _SLATS, 1.2, ("japanese",)),
-)
-_SLAT_LEDGE = Style(
-    "Sofa_Slats_Ledge", partial(slatted_panel, has_shelf=True), _SLATS, 1.1, ("japanese",)
-)
-
-
-@dataclass(frozen=True)
-class _Hanging:
-    """Pictures over a sofa: how they are framed, what they show, how high they are."""
-
-    pitch_m: float
-    height_m: float
-    rail_m: float
-    mount_m: float
-    frames: tuple[str, ...]
-    drawings: tuple[str, str, str]
-    moulded: bool = False
-
-
-_HANGINGS: dict[str, tuple[_Hanging, ...]] = {
-    "modern": (
-        _Hanging(1.3, 0.9, 0.014, 0.03, ("black_metal", "oak", "walnut"),
-                 ("strokes", "field", "arches")),
-        _Hanging(4.0, 1.0, 0.012, 0.06, ("walnut", "black_metal"), ("field_pale",) * 3),
-    ),
-    "scandinavian": (
-        _Hanging(0.62, 0.8, 0.018, 0.05, ("oak", "birch", "white"),
-                 ("botanical", "fronds", "cut_outs")),
-        _Hanging(1.1, 0.75, 0.016, 0.06, ("birch", "black_stain"),
-                 ("mountains", "arches_pale", "sea")),
-    ),
-    "classic": (
-        _Hanging(1.0, 0.8, 0.06, 0.0, ("gilt", "dark_walnut"),
-                 ("old_landscape", "still_life", "sea"), moulded=True),
-        _Hanging(0.55, 0.7, 0.035, 0.05, ("gilt", "cherry"),
-                 ("botanical_blue", "botanical", "still_life_pale"), moulded=True),
-    ),
-    "industrial": (
-        _Hanging(0.75, 0.95, 0.014, 0.04, ("black_metal", "gunmetal"),
-                 ("city", "gears", "bauhaus_earth")),
-        _Hanging(2.2, 0.95, 0.014, 0.025, ("gunmetal", "black_metal"),
-                 ("strokes_deep", "city", "field_deep")),
-    ),
-    "japanese": (
-        _Hanging(4.0, 0.6, 0.016, 0.04, ("black_stain", "dark_walnut"), ("ink_hills",) * 3),
-        _Hanging(0.9, 0.75, 0.014, 0.06, ("oak", "black_stain"), ("enso", "branch", "bamboo")),
-    ),
-}  # fmt: skip
-"""By style: forms in turn, so that sofas of other lengths have other pictures over them."""
-
-
-def _over_sofas() -> Iterator[Design]:
-    for style, hangings in _HANGINGS.items():
-        for index, length in enumerate(steps(1.25, 3.55, 0.2)):
-            one = hangings[index % len(hangings)]
-            draw = partial(pictures, pitch_m=one.pitch_m, rail_m=one.rail_m, mount_m=one.mount_m,
-                           moulded=one.moulded)  # fmt: skip
-            name = f"Sofa_Prints_{style.capitalize()}_{100 * length:.0f}"
-            edge_m = 2 * (one.rail_m + one.mount_m)
-            seen_m = _wide(length, _count(length, one.pitch_m)) - edge_m, one.height_m - edge_m
-            art = art_finishes(name, one.drawings, round(seen_m[0] / seen_m[1], 3))
-            yield Design(name, "sofa_background", (length, 0.06, one.height_m), draw,
-                         frame_looks(*one.frames), art, (style,))  # fmt: skip
-
-
-def _heads() -> Iterator[Design]:
-    for style, styles in _HEADS:
-        for design in editions(
-            "bed_background", (style,), (1.2, 1.35, 1.5, 1.8, 2.0, 2.4, 3.0), (0.06, 0.09)
-        ):
-            yield replace(design, finishes=TEXTILES, styles=styles)
-
-
-DESIGNS = (
-    *_heads(),
-    *_over_sofas(),
-    *(d for wall in _WALLS
-      for d in editions("sofa_background", (wall,), steps(1.35, 3.55, 0.4), (0.06,))),
-    *editions("sofa_background", (_SLAT_LEDGE,), steps(1.25, 3.55, 0.2), (0.1,)),
-)  # fmt: skip
+def prints(
+    name: str, size_m: Size, *, pitch_m: float, edge_m: float, drawings: Sequence[str]
+) -> DrawnFinishes:
+    """Finishes of pictures in a row; edge_m: width of rail and mount around each."""
+    wide = _wide(size_m[0], _count(size_m[0], pitch_m))
+    aspect = round((wide - 2 * edge_m) / (size_m[2] - 2 * edge_m), 3)
+    return art_finishes(name, drawings, aspect)

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cache, partial
 
 from PIL import Image
 
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     face_uvs,
     flat_rail,
     frame_rails,
     moulded_rail,
     rng_of,
 )
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, block, box, cylinder, joined
 from chord_usd.library.pictures import art, art_nature
 from chord_usd.library.surfaces.drawn import DrawnFinishes
@@ -217,133 +211,27 @@ def scroll(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def frame_looks(*frames: str, mount: str = "mount_board") -> dict[str, dict[str, str]]:
-    """Colourways by the finish of the frame."""
-    return {
-        name: {
-            "frame": name,
-            "mount": mount,
-            "back": "black",
-            "art": "art",
-            "art_b": "art_b",
-            "art_c": "art_c",
-            "silk": "linen",
-            "band": "beige_cloth",
-        }
-        for name in frames
-    }
-
-
-_THIN = frame_looks("black_metal", "oak", "walnut", "white")
-_LIGHT = frame_looks("oak", "birch", "white", "black_stain")
-_GILT = frame_looks("gilt", "dark_walnut", "cherry")
-_STEEL = frame_looks("black_metal", "gunmetal")
-_SCROLL = frame_looks("dark_walnut", "black_stain")
-
-_PLAIN = partial(framed, rail_m=0.014)
-_MOUNT = partial(framed, rail_m=0.016, mount_m=0.05)
-_WIDE_MOUNT = partial(framed, rail_m=0.02, mount_m=0.085)
-_MOULDED = partial(framed, rail_m=0.06, moulded=True)
-_SLIM_MOULDED = partial(framed, rail_m=0.035, mount_m=0.04, moulded=True)
-
-
-@dataclass(frozen=True)
-class _Row:
-    """One picture: its number of centimetres, how it is framed, what it shows, whom it suits."""
-
-    length_cm: int
-    height_cm: int
-    kind: str
-    drawings: tuple[str, ...]
-    styles: tuple[str, ...]
-
-
-_KINDS: dict[str, tuple[Callable[[Size], tuple[Part, ...]], float, float, dict]] = {
-    # draw, depth, what lies between the edge and the picture, colourways
-    "Plain": (_PLAIN, 0.022, 0.014, _THIN),
-    "Mount": (_MOUNT, 0.022, 0.066, _LIGHT),
-    "Wide_Mount": (_WIDE_MOUNT, 0.025, 0.105, _THIN),
-    "Gilt": (_MOULDED, 0.045, 0.06, _GILT),
-    "Moulded": (_SLIM_MOULDED, 0.03, 0.075, _GILT),
-    "Canvas": (on_canvas, 0.035, 0.0, frame_looks("white")),
-    "Float": (floating, 0.04, 0.014, _THIN),
-    "Steel": (_PLAIN, 0.022, 0.014, _STEEL),
-    "Pair": (pair, 0.022, 0.065, _LIGHT),
-    "Scroll": (scroll, 0.028, 0.0, _SCROLL),
+_INSET_M = {
+    "Plain": 0.014,
+    "Mount": 0.066,
+    "Wide_Mount": 0.105,
+    "Gilt": 0.06,
+    "Moulded": 0.075,
+    "Canvas": 0.0,
+    "Float": 0.014,
+    "Steel": 0.014,
+    "Pair": 0.065,
 }
-
-_MS, _SJ, _C, _I, _J = (
-    (MODERN, SCANDINAVIAN),
-    (SCANDINAVIAN, JAPANESE),
-    (CLASSIC,),
-    (INDUSTRIAL,),
-    (JAPANESE,),
-)
-_MI = (MODERN, INDUSTRIAL)
-
-_ROWS = (
-    _Row(20, 30, "Mount", ("botanical",), _SJ),
-    _Row(30, 40, "Mount", ("face",), _MS),
-    _Row(30, 40, "Moulded", ("botanical_blue",), _C),
-    _Row(40, 30, "Moulded", ("sea",), _C),
-    _Row(30, 40, "Mount", ("fronds",), _SJ),
-    _Row(40, 50, "Wide_Mount", ("contours",), (SCANDINAVIAN, INDUSTRIAL, MODERN)),
-    _Row(40, 50, "Gilt", ("still_life",), _C),
-    _Row(50, 70, "Plain", ("arches",), _MS),
-    _Row(50, 70, "Plain", ("bauhaus",), _MI),
-    _Row(50, 70, "Wide_Mount", ("botanical",), (SCANDINAVIAN, JAPANESE, CLASSIC)),
-    _Row(50, 70, "Steel", ("gears",), _I),
-    _Row(50, 70, "Steel", ("city",), _MI),
-    _Row(70, 50, "Gilt", ("old_landscape",), _C),
-    _Row(70, 50, "Wide_Mount", ("mountains",), (SCANDINAVIAN, MODERN, JAPANESE)),
-    _Row(70, 50, "Steel", ("bauhaus_earth",), _MI),
-    _Row(50, 50, "Mount", ("enso",), _J),
-    _Row(60, 80, "Wide_Mount", ("cut_outs",), _MS),
-    _Row(60, 80, "Gilt", ("old_landscape",), _C),
-    _Row(80, 60, "Float", ("sea",), (MODERN, SCANDINAVIAN, CLASSIC)),
-    _Row(80, 60, "Steel", ("gears",), _I),
-    _Row(70, 100, "Plain", ("field",), _MI),
-    _Row(70, 100, "Float", ("strokes",), _MS),
-    _Row(70, 100, "Wide_Mount", ("moons",), (MODERN, INDUSTRIAL)),
-    _Row(70, 100, "Plain", ("arches_pale",), _SJ),
-    _Row(100, 70, "Canvas", ("mountains",), _MS),
-    _Row(100, 70, "Gilt", ("old_landscape",), _C),
-    _Row(100, 70, "Steel", ("city",), _I),
-    _Row(100, 70, "Wide_Mount", ("ink_hills",), _J),
-    _Row(120, 60, "Canvas", ("stripes",), (SCANDINAVIAN, MODERN)),
-    _Row(120, 80, "Float", ("field_pale",), (MODERN, SCANDINAVIAN, JAPANESE)),
-    _Row(120, 80, "Float", ("strokes_deep",), _MI),
-    _Row(100, 130, "Float", ("field_deep",), _MI),
-    _Row(140, 100, "Canvas", ("field",), _MI),
-    _Row(140, 100, "Float", ("strokes",), _MS),
-    _Row(90, 60, "Pair", ("botanical", "fronds"), (SCANDINAVIAN, CLASSIC)),
-    _Row(107, 70, "Pair", ("arches", "arches_pale"), _MS),
-    _Row(87, 55, "Pair", ("still_life_pale", "face"), (SCANDINAVIAN, MODERN)),
-    _Row(90, 60, "Pair", ("bamboo", "branch"), _J),
-    _Row(42, 120, "Scroll", ("ink_hills",), _J),
-    _Row(40, 110, "Scroll", ("bamboo",), _J),
-    _Row(60, 45, "Plain", ("branch",), _J),
-    _Row(45, 60, "Plain", ("still_life_pale",), _MS),
-)
+"""What lies between the edge and the picture, by how it is framed."""
 
 
-def _design(row: _Row) -> Design:
-    draw, depth, inset, looks = _KINDS[row.kind]
-    length, height = row.length_cm / 100, row.height_cm / 100
-    title = "_".join(word.capitalize() for word in row.drawings[0].split("_"))
-    name = f"Picture_{row.kind}_{title}_{row.length_cm}x{row.height_cm}"
-    wide = (length - 0.07) / 2 if row.kind == "Pair" else length
-    seen_l, seen_h = wide - 2 * inset, height - 2 * inset
-    if row.kind == "Scroll":
+def shown(name: str, size_m: Size, *, kind: str, drawings: Sequence[str]) -> DrawnFinishes:
+    """Finishes of a picture of this id and size; kind: how it is framed, a key of _INSET_M or
+    Scroll."""
+    length, _, height = size_m
+    if kind == "Scroll":
         seen_l, seen_h = length - 0.13, height - 0.35
-    aspect = round(seen_l / seen_h, 3)
-    finishes = art_finishes(name, row.drawings, aspect)
-    missing = set(ART_SLOTS) - set(finishes.drawn)
-    ways = {
-        way: {slot: finish for slot, finish in slots.items() if slot not in missing}
-        for way, slots in looks.items()
-    }
-    return Design(name, "picture", (length, depth, height), draw, ways, finishes, row.styles)
-
-
-DESIGNS = tuple(_design(row) for row in _ROWS)
+    else:
+        wide = (length - 0.07) / 2 if kind == "Pair" else length
+        seen_l, seen_h = wide - 2 * _INSET_M[kind], height - 2 * _INSET_M[kind]
+    return art_finishes(name, drawings, round(seen_l / seen_h, 3))

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
 from chord_usd.library.kit.forms import lofted, rng_of
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, joined
 from chord_usd.library.plants.leaves import (
     HEART,
     LANCE,
-    OVAL,
     Pot,
     PotKind,
     bow,
@@ -25,8 +23,6 @@ from chord_usd.library.plants.leaves import (
     tapered,
     turned,
 )
-from chord_usd.library.plants.species import monstera, snake
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 Grow = Callable[[Size, Pot], list]
 
@@ -40,7 +36,7 @@ def potted(
     return (*vessel.parts, *grown(grow(size_m, vessel), length, width, vessel.soil_m, height))
 
 
-def _bush(
+def bush(
     size_m: Size,
     vessel: Pot,
     *,
@@ -83,7 +79,7 @@ def _bush(
     return [("Stalks", joined(stalks), "stem", False), ("Leaves", foliage(grids), "leaf", True)]
 
 
-def _fern(size_m: Size, vessel: Pot, *, fronds: int = 16) -> list:
+def fern(size_m: Size, vessel: Pot, *, fronds: int = 16) -> list:
     """Arching fronds with leaflets on both sides."""
     rng = rng_of(f"fern/{size_m}")
     foot, height = vessel.soil_m, size_m[2]
@@ -113,7 +109,7 @@ def _fern(size_m: Size, vessel: Pot, *, fronds: int = 16) -> list:
     return [("Stalks", joined(stalks), "stem", False), ("Leaves", foliage(grids), "leaf", True)]
 
 
-def _rosette(size_m: Size, vessel: Pot, *, leaves: int = 34) -> list:
+def rosette(size_m: Size, vessel: Pot, *, leaves: int = 34) -> list:
     """Thick spoon leaves in a close spiral."""
     foot, height = vessel.soil_m, size_m[2]
     solids = []
@@ -165,101 +161,3 @@ def _looks(leaf_: str, *pots: tuple[str, str]) -> dict[str, dict[str, str]]:
         }
         for name, finish in pots
     }
-
-
-_POTS = (("clay", "clay"), ("white", "chalk"), ("celadon", "celadon"))
-_DARK = (("clay", "clay"), ("white", "stoneware"), ("black", "dark_stoneware"))
-
-
-def _design(
-    name: str,
-    category: str,
-    size_m: Size,
-    grow: Grow,
-    kind: PotKind,
-    radius_m: float,
-    height_m: float,
-    looks: dict,
-) -> Design:
-    return Design(
-        name,
-        category,
-        size_m,
-        partial(potted, kind=kind, radius_m=radius_m, height_m=height_m, grow=grow),
-        looks,
-        DRY,
-    )
-
-
-DESIGNS = (
-    _design(
-        "Snake_Plant_Large",
-        "big_plant",
-        (0.32, 0.32, 0.7),
-        partial(snake, leaves=13),
-        "cylinder",
-        0.12,
-        0.2,
-        _looks("leaf_deep", *_DARK),
-    ),
-    _design(
-        "Snake_Plant_Small",
-        "small_plant",
-        (0.15, 0.15, 0.33),
-        partial(snake, leaves=9),
-        "taper",
-        0.06,
-        0.1,
-        _looks("leaf_deep", *_POTS),
-    ),
-    _design(
-        "Plant_Large",
-        "big_plant",
-        (0.4, 0.4, 0.6),
-        partial(monstera, leaves=10, long=0.19, wide=0.18),
-        "taper",
-        0.11,
-        0.17,
-        _looks("leaf_deep", *_DARK),
-    ),
-    _design(
-        "Plant_Medium",
-        "big_plant",
-        (0.3, 0.3, 0.45),
-        partial(_bush, leaves=24, long=0.11, wide=0.085, seed="philodendron"),
-        "belly",
-        0.09,
-        0.14,
-        _looks("leaf_fresh", *_POTS),
-    ),
-    _design(
-        "Plant_Small",
-        "small_plant",
-        (0.18, 0.18, 0.24),
-        partial(_bush, leaves=30, long=0.05, wide=0.046, outline=OVAL, droop=50, seed="peperomia"),
-        "fluted",
-        0.06,
-        0.09,
-        _looks("leaf_deep", *_POTS),
-    ),
-    _design(
-        "Fern_Small",
-        "small_plant",
-        (0.25, 0.25, 0.22),
-        _fern,
-        "rim",
-        0.065,
-        0.1,
-        _looks("leaf_fresh", *_POTS),
-    ),
-    _design(
-        "Succulent",
-        "small_plant",
-        (0.12, 0.12, 0.13),
-        _rosette,
-        "cylinder",
-        0.05,
-        0.075,
-        _looks("leaf_dusty", *_POTS),
-    ),
-)

@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 
-from chord_usd.library.kit.dry_designs import CERAMIC, design, pot_looks
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    MODERN,
-    SCANDINAVIAN,
     ball,
     rng_of,
 )
@@ -124,40 +118,3 @@ def trailing(size_m: Size, *, kind: str = "pothos") -> tuple[Part, ...]:
         points[:, 2] = np.maximum(points[:, 2], 0.002 + 0.004 * (points[:, 2] - low[2]))
         parts.append(Part(name, Solid(points, solid.faces), slot, None, two_sided=two_sided))
     return tuple(parts)
-
-
-_GLAZED = (("celadon", "celadon"), ("indigo", "indigo_glaze"), ("black", "dark_stoneware"))
-
-
-_MS = (MODERN, SCANDINAVIAN)
-
-
-DESIGNS = (
-    design(
-        "Trailing_Pothos", "trailing_plant", (0.34, 0.34, 0.34), trailing, pot_looks(*CERAMIC), ()
-    ),
-    design(
-        "Trailing_Ivy",
-        "trailing_plant",
-        (0.3, 0.3, 0.3),
-        partial(trailing, kind="ivy"),
-        pot_looks(("clay", "clay"), *CERAMIC[:3], leaf="leaf_deep"),
-        (CLASSIC, SCANDINAVIAN, INDUSTRIAL),
-    ),
-    design(
-        "Trailing_Pearls",
-        "trailing_plant",
-        (0.22, 0.22, 0.22),
-        partial(trailing, kind="pearls"),
-        pot_looks(*CERAMIC),
-        _MS,
-    ),
-    design(
-        "Trailing_Fern",
-        "trailing_plant",
-        (0.38, 0.38, 0.34),
-        partial(trailing, kind="fern"),
-        pot_looks(*_GLAZED, *CERAMIC[:1]),
-        (),
-    ),
-)

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import replace
-from functools import partial
 from typing import Literal
 
 import numpy as np
 
 from chord_usd.library.kit.joinery import four_legs
-from chord_usd.library.kit.model import Design, Part, Style, editions, steps
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -31,9 +28,7 @@ from chord_usd.library.kit.solids import (
     soft_block,
     tube,
 )
-from chord_usd.library.seating.dining_chairs import chair
 from chord_usd.library.seating.upholstery import boxed_cushion, rolled_arm, stood_up
-from chord_usd.library.surfaces.textiles import TEXTILES
 
 ArmKind = Literal["track", "soft", "slim", "rolled", "leather", "frame"]
 
@@ -304,135 +299,3 @@ def office_chair(size_m: Size) -> tuple[Part, ...]:
         Part("Arm_Rests", mirrored_pair(tube(bent_path(arm, 0.05), 0.013, 8) + rest), "rubber",
              collider=None),
     )  # fmt: skip
-
-
-def _cloth(cloth: str, leg: str) -> dict[str, str]:
-    return {"cloth": cloth, "cushion": cloth, "leg": leg, "frame": leg}
-
-
-def _dressed(cloths: tuple[str, ...], legs: tuple[str, ...]) -> dict[str, dict[str, str]]:
-    """A colourway for each cloth, the legs taking turns; named by the cloth's colour."""
-    return {
-        cloth.rsplit("_", 1)[0]: _cloth(cloth, legs[index % len(legs)])
-        for index, cloth in enumerate(cloths)
-    }
-
-
-_MODERN = _dressed(
-    ("grey_cloth", "charcoal_cloth", "cream_boucle", "teal_cloth", "beige_cloth", "rust_cloth"),
-    ("black_metal", "black_stain"),
-)
-_SCANDI = _dressed(
-    (
-        "grey_cloth",
-        "linen",
-        "beige_cloth",
-        "sage_cloth",
-        "blush_cloth",
-        "blue_cloth",
-        "white_cloth",
-    ),
-    ("pale_oak", "birch"),
-)
-_CLASSIC = _dressed(
-    ("cream_cloth", "beige_cloth", "navy_velvet", "forest_velvet", "burgundy_velvet", "linen"),
-    ("walnut", "cherry", "dark_walnut"),
-)
-_LOFT = _dressed(
-    ("tan_leather", "brown_leather", "black_leather", "charcoal_cloth", "grey_cloth"),
-    ("black_metal", "steel"),
-)
-_TIMBER = _dressed(
-    ("linen", "beige_cloth", "cream_cloth", "moss_cloth", "indigo_cloth", "charcoal_cloth"),
-    ("oak", "pale_oak", "black_stain"),
-)
-_ROUND = {**_MODERN, "navy": _cloth("navy_velvet", "walnut"),
-          "forest": _cloth("forest_velvet", "walnut")}  # fmt: skip
-_WOODS = {
-    f"{wood}_{cloth.rsplit('_', 1)[0]}": {"frame": wood, "seat": cloth, "back": cloth}
-    for wood, cloth in (("oak", "linen"), ("walnut", "charcoal_cloth"), ("pale_oak", "grey_cloth"),
-                        ("birch", "linen"), ("white", "grey_cloth"), ("black_stain", "grey_cloth"))
-}  # fmt: skip
-_BOARDS = {
-    wood: {"frame": wood, "seat": wood, "back": wood}
-    for wood in ("oak", "pale_oak", "walnut", "birch", "black_stain")
-}
-_PADDED = {
-    f"{wood}_{cloth.rsplit('_', 1)[0]}": {"frame": wood, "seat": cloth, "back": cloth}
-    for wood, cloth in (("black_metal", "grey_cloth"), ("black_metal", "cream_boucle"),
-                        ("black_metal", "rust_cloth"), ("black_stain", "charcoal_cloth"),
-                        ("oak", "teal_cloth"), ("walnut", "grey_cloth"))
-}  # fmt: skip
-_SALON = {
-    f"{wood}_{cloth.rsplit('_', 1)[0]}": {"frame": wood, "seat": cloth, "back": cloth}
-    for wood in ("walnut", "cherry", "dark_walnut")
-    for cloth in ("cream_cloth", "navy_velvet", "forest_velvet", "burgundy_velvet")
-}
-_STEEL = {
-    "black_walnut": {"frame": "black_metal", "seat": "walnut", "back": "walnut"},
-    "black_oak": {"frame": "black_metal", "seat": "oak", "back": "oak"},
-    "steel": {"frame": "steel", "seat": "dark_walnut", "back": "dark_walnut"},
-    "black_tan": {"frame": "black_metal", "seat": "tan_leather", "back": "tan_leather"},
-}
-_OFFICE = {
-    "black": {"metal": "steel", "rubber": "rubber", "seat": "charcoal_cloth"},
-    "blue": {"metal": "steel", "rubber": "rubber", "seat": "blue_cloth"},
-    "grey": {"metal": "chrome", "rubber": "rubber", "seat": "grey_cloth"},
-}
-
-_Form = tuple[Style, tuple[str, ...]]
-_SOFAS: tuple[_Form, ...] = (
-    (Style("Sofa_Track", sofa, _MODERN, 0.8), ("modern",)),
-    (Style("Sofa_Slim", partial(sofa, arm="slim"), _SCANDI, 0.82), ("scandinavian",)),
-    (Style("Sofa_Rolled", partial(sofa, arm="rolled"), _CLASSIC, 0.86), ("classic",)),
-    (Style("Sofa_Leather", partial(sofa, arm="leather"), _LOFT, 0.8), ("industrial",)),
-    (Style("Sofa_Timber", partial(sofa, arm="frame"), _TIMBER, 0.76), ("japanese",)),
-)
-_ARMCHAIRS: tuple[_Form, ...] = (
-    (Style("Armchair_Track", partial(sofa, seats=1), _MODERN, 0.8), ("modern",)),
-    (Style("Armchair_Slim", partial(sofa, seats=1, arm="slim"), _SCANDI, 0.82),
-     ("scandinavian",)),
-    (Style("Armchair_Wing", wing_chair, _CLASSIC, 0.98), ("classic",)),
-    (Style("Armchair_Leather", partial(sofa, seats=1, arm="leather"), _LOFT, 0.8),
-     ("industrial",)),
-    (Style("Armchair_Timber", partial(sofa, seats=1, arm="frame"), _TIMBER, 0.76),
-     ("japanese",)),
-)  # fmt: skip
-_LOUNGES: tuple[_Form, ...] = (
-    (Style("Lounge_Chair_Barrel", barrel_chair, _ROUND, 0.76), ("modern", "classic")),
-    (Style("Lounge_Chair_Slipper", slipper_chair, _CLASSIC, 0.8), ("classic",)),
-    (Style("Lounge_Chair_Wood", lounge_chair, _SCANDI, 0.82), ("scandinavian",)),
-    (Style("Lounge_Chair_Beam", lounge_chair, _TIMBER, 0.8), ("japanese",)),
-    (Style("Lounge_Chair_Loft", lounge_chair, _LOFT, 0.82), ("industrial",)),
-)
-_CHAIRS: tuple[_Form, ...] = (
-    (Style("Chair_Slats", chair, _WOODS, 0.86), ("japanese",)),
-    (Style("Chair_Board", partial(chair, back="board"), _BOARDS, 0.8), ("scandinavian",)),
-    (Style("Chair_Spindles", partial(chair, back="spindles"), _BOARDS, 0.84), ("scandinavian",)),
-    (Style("Chair_Padded", partial(chair, back="padded"), _PADDED, 0.92), ("modern",)),
-    (Style("Chair_Medallion", partial(chair, back="medallion"), _SALON, 0.96), ("classic",)),
-    (Style("Chair_Steel", partial(chair, back="board"), _STEEL, 0.82), ("industrial",)),
-)
-_OFFICE_CHAIR = Style("Chair_Office", office_chair, _OFFICE, 0.98)
-
-
-def _forms(
-    category: str, forms: tuple[_Form, ...], lengths: tuple[float, ...],
-    widths: tuple[float, ...], *, in_turn: bool = False,
-) -> Iterator[Design]:  # fmt: skip
-    """Each form in every size; in_turn: each second length, so that neighbours differ."""
-    for number, (style, styles) in enumerate(forms):
-        own = lengths[number % 2 :: 2] if in_turn else lengths
-        for design in editions(category, (style,), own, widths):
-            yield replace(design, finishes=TEXTILES, styles=styles)
-
-
-DESIGNS = (
-    *_forms("sofa", _SOFAS, steps(1.45, 3.15), (0.85, 0.95, 1.05), in_turn=True),
-    *_forms("single_sofa", _ARMCHAIRS, (0.77, 0.85, 0.93), (0.77, 0.85, 0.93)),
-    *_forms("leisure_sofa", _LOUNGES, (0.61, 0.68), (0.62, 0.7, 0.78)),
-    *_forms("leisure_sofa", _LOUNGES, (0.75, 0.82), (0.7, 0.77, 0.84, 0.92)),
-    *_forms("leisure_sofa", _LOUNGES, (0.9, 0.97), (0.82, 0.9, 0.98, 1.06)),
-    *_forms("chair", _CHAIRS, (0.43, 0.48, 0.53), (0.49, 0.54, 0.59)),
-    *editions("chair", (_OFFICE_CHAIR,), (0.57,), (0.56,)),
-)

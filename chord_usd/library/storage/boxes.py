@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.library.kit.dry_designs import WOODEN, WOVEN, container_looks, design
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     open_tub,
 )
 from chord_usd.library.kit.model import Part
@@ -119,63 +113,3 @@ def woven_box(size_m: Size) -> tuple[Part, ...]:
     points[:, :2] = flat / norm[:, None] * radius[:, None] * [length * 0.99, width * 0.99]
     skin = Solid(points, round_.faces)
     return (Part("Wall", skin, "weave", felt=(box((length * 0.98, width * 0.98, height)),)),)
-
-
-_CLOTH = container_looks(
-    linen={"cloth": "canvas_cloth", "metal": "antique_brass"},
-    grey={"cloth": "felt_grey"},
-    green={"cloth": "green_cloth", "metal": "antique_brass"},
-    charcoal={"cloth": "felt_dark"},
-)
-
-
-_KRAFT = container_looks(
-    kraft={"cloth": "kraft", "metal": "black_metal"},
-    black={"cloth": "black", "metal": "antique_brass"},
-    cream={"cloth": "cream", "metal": "antique_brass"},
-)
-
-
-DESIGNS = (
-    design(
-        "Box_Lidded",
-        "storage_box",
-        (0.34, 0.25, 0.18),
-        lidded_box,
-        _KRAFT,
-        (MODERN, CLASSIC, INDUSTRIAL),
-    ),
-    design(
-        "Box_Lidded_Small",
-        "storage_box",
-        (0.25, 0.18, 0.13),
-        lidded_box,
-        _KRAFT,
-        (MODERN, CLASSIC, INDUSTRIAL),
-    ),
-    design("Box_Felt", "storage_box", (0.3, 0.3, 0.26), open_box, _CLOTH, (MODERN, SCANDINAVIAN)),
-    design(
-        "Box_Felt_Small",
-        "storage_box",
-        (0.24, 0.18, 0.15),
-        open_box,
-        _CLOTH,
-        (MODERN, SCANDINAVIAN),
-    ),
-    design(
-        "Box_Wooden",
-        "storage_box",
-        (0.34, 0.22, 0.16),
-        wooden_box,
-        WOODEN,
-        (SCANDINAVIAN, JAPANESE, INDUSTRIAL),
-    ),
-    design(
-        "Box_Woven",
-        "storage_box",
-        (0.32, 0.24, 0.16),
-        woven_box,
-        WOVEN,
-        (SCANDINAVIAN, JAPANESE, CLASSIC),
-    ),
-)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import Literal
 
@@ -21,11 +20,8 @@ from chord_usd.library.kit.joinery import (
 )
 from chord_usd.library.kit.model import (
     Part,
-    Style,
-    editions,
     hollow_part,
     moving_part,
-    steps,
 )
 from chord_usd.library.kit.moves import Leaf, Slide, flap, leaves_of
 from chord_usd.library.kit.solids import (
@@ -39,7 +35,6 @@ from chord_usd.library.kit.solids import (
     rounded_slab,
 )
 from chord_usd.library.objects.books import bound
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 BOARD_M = 0.022
 
@@ -347,100 +342,3 @@ def _look(body: str, fronts: str, handle: str, **more: str) -> dict[str, str]:
         "book_dark": "book_ink", "page": "paper", "thing": "stoneware",
     }  # fmt: skip
     return {**base, **more}
-
-
-_PLAIN_WOODS = ("oak", "pale_oak", "birch", "black_stain")
-_DEEP_WOODS = ("walnut", "cherry", "dark_walnut")
-_WARDROBE = {
-    "white_oak": _look("pale_oak", "white", "steel"),
-    "white_birch": _look("birch", "white", "black_metal"),
-    **{wood: _look(wood, wood, "black_metal") for wood in (*_PLAIN_WOODS, "walnut")},
-    "graphite": _look("walnut", "graphite", "brass"),
-    "graphite_dark": _look("dark_walnut", "graphite", "black_metal"),
-}
-FRAMED = {
-    "sage": _look("sage", "sage", "brass"),
-    "white": _look("warm_white", "warm_white", "black_metal"),
-    "navy": _look("navy", "navy", "brass"),
-    **{wood: _look(wood, wood, "brass") for wood in _DEEP_WOODS},
-}
-LIVING = {
-    "oak": _look("oak", "oak", "black_metal", leg="black_metal"),
-    "walnut": _look("walnut", "walnut", "brass", leg="brass"),
-    "white": _look("oak", "white", "steel"),
-    "pale_oak": _look("pale_oak", "pale_oak", "black_metal"),
-    "white_birch": _look("birch", "white", "black_metal"),
-    "dark_walnut": _look("dark_walnut", "dark_walnut", "black_metal", leg="black_metal"),
-    "graphite": _look("walnut", "graphite", "black_metal", leg="black_metal"),
-    "black_stain": _look("black_stain", "black_stain", "black_metal"),
-}
-STEEL = {
-    wood: _look(wood, wood, "black_metal", leg="black_metal")
-    for wood in ("dark_walnut", "walnut", "oak", "black_stain")
-}
-_HALL = {
-    "white": _look("white", "white", "black_metal", top="oak"),
-    "white_pale": _look("white", "white", "black_metal", top="pale_oak"),
-    **{wood: _look(wood, wood, "black_metal") for wood in (*_PLAIN_WOODS, *_DEEP_WOODS)},
-    "green": _look("forest", "forest", "brass", top="walnut"),
-    "graphite": _look("graphite", "graphite", "black_metal", top="dark_walnut"),
-}
-
-
-_WARDROBES = (
-    Style(
-        "Wardrobe_Hinged",
-        wardrobe,
-        _WARDROBE,
-        2.2,
-        ("modern", "scandinavian", "industrial", "japanese"),
-    ),
-    Style(
-        "Wardrobe_Framed",
-        partial(wardrobe, framed=True, handle="knob"),
-        FRAMED,
-        2.15,
-        ("classic", "scandinavian"),
-    ),
-)
-_SLIDING = Style(
-    "Wardrobe_Sliding", sliding_wardrobe, _WARDROBE, 2.35, ("modern", "japanese", "industrial")
-)
-_LOW = (
-    Style(
-        "Chest",
-        partial(chest, rows=(1.2, 1, 0.8)),
-        LIVING,
-        0.86,
-        ("modern", "scandinavian", "industrial", "japanese"),
-    ),
-    Style("Low_Cabinet", low_cabinet, FRAMED, 0.84, ("classic", "scandinavian")),
-    Style("Low_Bookcase", partial(bookcase, low=0.34), LIVING, 1.0),
-)
-_BOOKCASE = Style("Bookcase", bookcase, LIVING, 2.05)
-_SHOES = (
-    Style("Shoe_Cabinet_Flaps", shoe_cabinet, _HALL, 1.1, ("modern", "scandinavian", "industrial")),
-    Style(
-        "Shoe_Cabinet_Louvres",
-        partial(shoe_cabinet, kind="louvres"),
-        _HALL,
-        1.0,
-        ("classic", "japanese"),
-    ),
-)
-_LOW_SHOES = Style("Shoe_Cabinet_Low", shoe_cabinet, _HALL, 0.85)
-_SHOE_BENCH = Style("Shoe_Cabinet_Bench", partial(shoe_cabinet, kind="bench"), _HALL, 2.1)
-
-# Shallow cabinets are low, so that they may stand under windows; deep ones are wardrobes. Most shoe
-# cabinets are higher than a sill, so there are low ones of every length.
-_DRAWN = (
-    *editions("cabinet", _LOW, steps(0.65, 2.75), (0.41,)),
-    *editions("cabinet", (_BOOKCASE,), (0.8, 1.2, 1.6, 2.0), (0.48,)),
-    *editions("cabinet", _WARDROBES, steps(0.65, 1.35), (0.55, 0.63)),
-    *editions("cabinet", (_WARDROBES[0], _SLIDING, _WARDROBES[1]), steps(1.45, 2.75), (0.55, 0.63)),
-    *editions("shoe_cabinet", _SHOES, steps(0.65, 1.15), (0.29, 0.37)),
-    *editions("shoe_cabinet", (*_SHOES, _SHOE_BENCH), steps(1.25, 1.55), (0.29, 0.38)),
-    *editions("shoe_cabinet", (_LOW_SHOES,), steps(0.65, 1.55), (0.34,)),
-)
-
-DESIGNS = tuple(replace(design, finishes=DRY) for design in _DRAWN)

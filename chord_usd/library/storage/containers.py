@@ -3,17 +3,10 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 
-from chord_usd.library.kit.dry_designs import WOODEN, WOVEN, container_looks, design
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     cup,
     hollow,
     lofted,
@@ -273,64 +266,3 @@ def slat_bin(size_m: Size) -> tuple[Part, ...]:
         Part("Pail", pail, "plastic", None),
         Part("Hoops", joined(hoops), "plastic", None),
     )
-
-
-_ROPE = container_looks(
-    rope={"weave": "rope", "cloth": "grey_cloth"},
-    grey={"weave": "felt_grey"},
-    rust={"weave": "rope", "cloth": "rust_cloth"},
-)
-
-
-_WIRE = container_looks(
-    black_metal={"weave": "black_metal", "grip": "oak"},
-    brass={"weave": "antique_brass", "grip": "walnut"},
-)
-
-
-_SLATS = container_looks(
-    oak={"weave": "oak"},
-    bamboo={"weave": "bamboo_wood"},
-    walnut={"weave": "walnut", "cloth": "linen"},
-)
-
-
-_BIN = container_looks(
-    steel={},
-    black={"metal": "black"},
-    white={"metal": "white", "plastic": "light_grey"},
-    sage={"metal": "sage"},
-)
-
-
-_MSJ = (MODERN, SCANDINAVIAN, JAPANESE)
-
-
-DESIGNS = (
-    design(
-        "Basket_Round",
-        "basket",
-        (0.42, 0.4, 0.4),
-        round_basket,
-        WOVEN,
-        (SCANDINAVIAN, JAPANESE, CLASSIC),
-    ),
-    design(
-        "Basket_Throw",
-        "basket",
-        (0.46, 0.45, 0.42),
-        partial(round_basket, has_throw=True),
-        _ROPE,
-        (SCANDINAVIAN, MODERN),
-    ),
-    design("Basket_Small", "basket", (0.3, 0.28, 0.28), round_basket, WOVEN, ()),
-    design("Basket_Laundry", "basket", (0.42, 0.32, 0.58), laundry, _SLATS, _MSJ),
-    design("Basket_Wire", "basket", (0.4, 0.4, 0.32), wire_basket, _WIRE, (INDUSTRIAL, MODERN)),
-    design(
-        "Bin_Pedal", "bin", (0.25, 0.29, 0.4), pedal_bin, _BIN, (MODERN, SCANDINAVIAN, INDUSTRIAL)
-    ),
-    design("Bin_Pedal_Small", "bin", (0.19, 0.23, 0.27), pedal_bin, _BIN, ()),
-    design("Bin_Paper", "bin", (0.26, 0.26, 0.3), paper_bin, _BIN, (MODERN, INDUSTRIAL, CLASSIC)),
-    design("Bin_Swing", "bin", (0.38, 0.28, 0.62), swing_bin, _BIN, (MODERN, INDUSTRIAL)),
-    design("Bin_Slats", "bin", (0.26, 0.26, 0.32), slat_bin, WOODEN, (JAPANESE, SCANDINAVIAN)),
-)

@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from chord_usd.library.cloth.stored import stored
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     arc,
 )
 from chord_usd.library.kit.model import Design, Draw, Part
@@ -29,7 +23,6 @@ from chord_usd.library.kit.solids import (
     welded,
 )
 from chord_usd.library.surfaces.dry_finishes import DRY
-from chord_usd.library.surfaces.textiles import TEXTILES
 
 _BOARD_M = 0.022
 
@@ -202,42 +195,14 @@ def _sewn(cloth: Solid) -> Solid:
     return welded(cloth.points_m, cloth.faces)
 
 
-def _coated(looks: dict, *pairs: tuple[str, str]) -> dict[str, dict[str, str]]:
-    """Each look of a rail with each pair of cloths for coats."""
-    return {
-        f"{name}_{one}_{other}": {**look, "coat_0": one, "coat_1": other}
-        for name, look in looks.items()
-        for one, other in pairs
-    }
-
-
 def _looks(**ways: tuple[str, str]) -> dict[str, dict[str, str]]:
     return {n: {"board": wood, "metal": metal, "back": wood} for n, (wood, metal) in ways.items()}
 
-
-_WOOD = _looks(
-    oak=("oak", "black_metal"),
-    walnut=("walnut", "brass"),
-    white=("white", "white"),
-    black_stain=("black_stain", "black_metal"),
-)
-_RAW = _looks(
-    walnut=("walnut", "black_metal"),
-    oak=("oak", "black_metal"),
-    dark_walnut=("dark_walnut", "gunmetal"),
-)
-_FINE = _looks(
-    white=("warm_white", "brass"),
-    walnut=("walnut", "antique_brass"),
-    cherry=("cherry", "antique_brass"),
-)
 
 _RAIL_M = 0.1
 _RAIL_SIZE_M = (0.08, _RAIL_M)
 _COAT_M = 0.44
 """Width of a coat on its hook."""
-
-_DRY_AND_CLOTH = {**TEXTILES, **DRY}
 
 
 def _row(
@@ -252,79 +217,6 @@ def _row(
         Design(f"{name}_{100 * size[0]:.0f}", category, size, draw, looks, DRY, styles)
         for size in sizes_m
     )
-
-
-DESIGNS = (
-    *_row(
-        "Shelf_Floating",
-        "wall_shelf",
-        tuple((x, 0.2, 0.035) for x in (0.5, 0.6, 0.8, 1.0, 1.2)),
-        floating,
-        _WOOD,
-        (MODERN, SCANDINAVIAN, JAPANESE),
-    ),
-    *_row(
-        "Shelf_Brackets",
-        "wall_shelf",
-        tuple((x, 0.21, 0.17) for x in (0.6, 0.8, 1.0, 1.2)),
-        bracketed,
-        _RAW,
-        (INDUSTRIAL, SCANDINAVIAN),
-    ),
-    *_row(
-        "Shelf_Corbels",
-        "wall_shelf",
-        tuple((x, 0.2, 0.16) for x in (0.6, 0.8, 1.0)),
-        corbelled,
-        _FINE,
-        (CLASSIC,),
-    ),
-    *_row(
-        "Shelf_Ladder",
-        "wall_shelf",
-        tuple((x, 0.22, 0.88) for x in (0.6, 0.8)),
-        ladder,
-        _RAW,
-        (INDUSTRIAL, MODERN, SCANDINAVIAN),
-    ),
-    *_row(
-        "Shelf_Box",
-        "wall_shelf",
-        tuple((x, 0.22, 0.3) for x in (0.6, 0.9)),
-        box_shelf,
-        _WOOD,
-        (MODERN, JAPANESE, SCANDINAVIAN),
-    ),
-    *_row(
-        "Peg_Rail",
-        "hook_rail",
-        tuple((x, 0.075, 0.09) for x in (0.45, 0.6, 0.9)),
-        peg_rail,
-        _WOOD,
-        (SCANDINAVIAN, JAPANESE, MODERN),
-    ),
-    *_row(
-        "Hook_Rail",
-        "hook_rail",
-        tuple((x, 0.085, _RAIL_M) for x in (0.48, 0.64, 0.96)),
-        hooks,
-        {**_FINE, **_RAW},
-        (CLASSIC, INDUSTRIAL),
-    ),
-    *(
-        Design(f"{name}_Coats_{100 * length:.0f}", "hook_rail", (length, 0.2, 0.9),
-               partial(with_coats, rail=rail), _coated(looks, *pairs), _DRY_AND_CLOTH, styles)
-        for name, rail, looks, pairs, styles in (
-            ("Peg_Rail", peg_rail, _WOOD,
-             (("grey_wool", "navy_cotton"), ("oat_linen", "charcoal_wool")),
-             (SCANDINAVIAN, JAPANESE, MODERN)),
-            ("Hook_Rail", hooks, {**_FINE, **_RAW},
-             (("tan_wool", "charcoal_wool"), ("navy_cotton", "grey_wool")),
-             (CLASSIC, INDUSTRIAL)),
-        )
-        for length in (0.5, 0.9)
-    ),
-)  # fmt: skip
 
 
 def board_heights_m(asset_id: str, height_m: float) -> tuple[float, ...]:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
-from functools import partial
 from typing import Literal
 
 from chord_usd.library.kit.forms import cup
@@ -21,7 +18,7 @@ from chord_usd.library.kit.joinery import (
     knob,
     plinth,
 )
-from chord_usd.library.kit.model import Part, Style, editions, hollow_part, moving_part, steps
+from chord_usd.library.kit.model import Part, hollow_part, moving_part
 from chord_usd.library.kit.moves import door
 from chord_usd.library.kit.solids import (
     Size,
@@ -34,15 +31,10 @@ from chord_usd.library.kit.solids import (
 )
 from chord_usd.library.storage.cabinets import (
     BOARD_M,
-    FRAMED,
-    LIVING,
-    STEEL,
     carcass,
     chest,
     fronts_y,
-    low_cabinet,
 )
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 
 def sideboard(
@@ -209,7 +201,7 @@ def tv_cabinet(
     wall.
     """
     length, width, height = size_m
-    draw = {"niche": _open_middle, "framed": _panelled, "steel": _steel_rack}.get(kind)
+    draw = {"niche": _open_middle, "framed": _panelled, "steel": steel_rack}.get(kind)
     cabinet = draw(size_m) if draw else _flat_front(size_m, has_slats=kind == "slats")
     if not has_screen:
         return cabinet
@@ -287,7 +279,7 @@ def _panelled(size_m: Size) -> tuple[Part, ...]:
     )
 
 
-def _steel_rack(size_m: Size) -> tuple[Part, ...]:
+def steel_rack(size_m: Size) -> tuple[Part, ...]:
     """Three thick boards in a frame of square tube, a drawer box in the middle."""
     length, width, height = size_m
     bar, board = 0.028, 0.035
@@ -337,66 +329,3 @@ def television(length: float, y: float, z: float) -> tuple[Part, ...]:
         Part("Screen", glass, "screen", collider=None, above=True),
         Part("Television_Feet", feet, "tv", collider=None, above=True),
     )
-
-
-_BEDSIDE = (
-    Style("Bedside_Drawers", bedside_table, LIVING, 0.52, ("modern",)),
-    Style("Bedside_Framed", low_cabinet, FRAMED, 0.58, ("classic",)),
-    Style("Bedside_Frame", _steel_rack, STEEL, 0.5, ("industrial",)),
-    Style("Bedside_Open", partial(bedside_table, kind="open"), LIVING, 0.46, ("japanese",)),
-    Style("Bedside_Legs", partial(bedside_table, kind="open"), LIVING, 0.5, ("scandinavian",)),
-)
-_BEDSIDE_ROUND = Style(
-    "Bedside_Round", partial(bedside_table, kind="round"), LIVING, 0.5, ("modern", "scandinavian")
-)
-_TV_KINDS: tuple[tuple[str, TvKind, Mapping[str, Mapping[str, str]], float, str], ...] = (
-    ("Drawers", "drawers", LIVING, 0.42, "modern"),
-    ("Niche", "niche", LIVING, 0.5, "scandinavian"),
-    ("Panelled", "framed", FRAMED, 0.55, "classic"),
-    ("Steel", "steel", STEEL, 0.46, "industrial"),
-    ("Slats", "slats", LIVING, 0.4, "japanese"),
-)
-
-
-def _tv_styles(has_screen: bool) -> tuple[Style, ...]:
-    bare = "" if has_screen else "_Bare"
-    return tuple(
-        Style(
-            f"TV_Cabinet_{word}{bare}",
-            partial(tv_cabinet, kind=kind, has_screen=has_screen),
-            looks,
-            height_m,
-            (style,),
-        )
-        for word, kind, looks, height_m, style in _TV_KINDS
-    )
-
-
-_DRESSER = Style("Dresser", hutch, FRAMED, 2.1, ("classic",))
-_SIDEBOARDS = (
-    Style(
-        "Sideboard", sideboard, LIVING, 0.85, ("modern", "scandinavian", "industrial", "japanese")
-    ),
-    Style(
-        "Sideboard_Framed",
-        partial(sideboard, framed=True, handle="knob"),
-        FRAMED,
-        0.85,
-        ("classic", "scandinavian"),
-    ),
-)
-
-_DRAWN = (
-    *(d for style in _BEDSIDE
-      for d in editions("bedside_table", (style,), (0.4, 0.5, 0.6), (0.37, 0.46))),
-    *editions("bedside_table", (_BEDSIDE_ROUND,), (0.4, 0.45, 0.5), (0.42,)),
-    *(d for number, style in enumerate(_tv_styles(True))
-      for d in editions("tv_cabinet", (style,), steps(1.05, 2.55)[number % 2::2],
-                        (0.33, 0.4, 0.47))),
-    *(d for style in _tv_styles(False)
-      for d in editions("tv_cabinet", (style,), steps(1.05, 2.55, 0.3), (0.33, 0.4, 0.47))),
-    *editions("dining_cabinet", (_DRESSER, *_SIDEBOARDS), steps(0.85, 1.45), (0.37, 0.43)),
-    *editions("dining_cabinet", _SIDEBOARDS, steps(1.55, 1.95), (0.37, 0.43)),
-)  # fmt: skip
-
-DESIGNS = tuple(replace(design, finishes=DRY) for design in _DRAWN)

@@ -3,17 +3,10 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 
-from chord_usd.library.kit.dry_designs import container_looks, design
 from chord_usd.library.kit.forms import (
-    CLASSIC,
-    INDUSTRIAL,
-    JAPANESE,
-    MODERN,
-    SCANDINAVIAN,
     cup,
     hollow,
     lofted,
@@ -139,45 +132,3 @@ def umbrella_stand(size_m: Size, *, kind: str = "cylinder") -> tuple[Part, ...]:
                 )
             )
     return tuple(parts)
-
-
-_STAND = container_looks(
-    black_metal={},
-    brass={"body": "antique_brass", "tray": "antique_brass", "cloth_a": "coat_olive"},
-    white={"body": "white", "tray": "oak", "cloth_a": "charcoal_cloth", "cloth_b": "mustard_cloth"},
-)
-
-
-_POT = container_looks(
-    indigo={"body": "indigo_glaze"},
-    white={"body": "stoneware", "cloth_a": "coat_olive"},
-    black={"body": "dark_stoneware"},
-)
-
-
-DESIGNS = (
-    design(
-        "Umbrella_Stand_Round",
-        "umbrella_stand",
-        (0.23, 0.23, 0.86),
-        umbrella_stand,
-        _STAND,
-        (MODERN, CLASSIC),
-    ),
-    design(
-        "Umbrella_Stand_Vase",
-        "umbrella_stand",
-        (0.26, 0.26, 0.86),
-        partial(umbrella_stand, kind="vase"),
-        _POT,
-        (JAPANESE, CLASSIC),
-    ),
-    design(
-        "Umbrella_Stand_Frame",
-        "umbrella_stand",
-        (0.22, 0.22, 0.86),
-        partial(umbrella_stand, kind="frame"),
-        _STAND,
-        (INDUSTRIAL, SCANDINAVIAN, MODERN),
-    ),
-)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from chord_usd.library.kitchen.kitchen_looks import LOOKS
 from chord_usd.library.surfaces.finishes import FINISHES as COMMON
 from chord_usd.library.surfaces.finishes import Finish
 
@@ -49,10 +48,3 @@ FINISHES: Mapping[str, Finish] = {
     "lemon": Finish((232, 200, 66), 0.5, surface="peel"),
 }
 """Finish by name."""
-
-KITCHENS: Mapping[str, Mapping[str, str]] = {
-    name: {**slots, "glass": "clear_glass", "ware": "ceramic", "metal": slots["appliance"],
-           "filter": "grey", "glow": "lamp_shade"}
-    for name, slots in LOOKS.items()
-}  # fmt: skip
-"""The colourways of floor cabinets, for what hangs over them."""

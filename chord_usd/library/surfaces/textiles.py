@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
+from chord_usd.library.surfaces.dry_finishes import DRY
 from chord_usd.library.surfaces.finishes import FINISHES, Finish, Surface
 
 _COLOURS: dict[str, tuple[int, int, int]] = {
@@ -74,9 +74,5 @@ BED_LINEN: dict[str, Finish] = {
 }
 """TEXTILES, and each woven one as it is on a bed: `white_cloth_bedding` is creased."""
 
-
-def dyed(
-    slot: str, finishes: Iterable[str], others: dict[str, str] | None = None
-) -> dict[str, dict[str, str]]:
-    """A colourway for each finish, named by its colour: {"sage": {slot: "sage_linen", …}, …}."""
-    return {name.rsplit("_", 1)[0]: {slot: name, **(others or {})} for name in finishes}
+DRY_TEXTILES: dict[str, Finish] = {**TEXTILES, **DRY}
+"""TEXTILES beside those of dry rooms, which count where both have a name."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Sequence
 from typing import Literal
 
 from chord_usd.library.kit.joinery import HANDLE_M, cells, drawers, felt_round, four_legs
-from chord_usd.library.kit.model import Design, Part, Style, editions, hollow_part, placed, steps
+from chord_usd.library.kit.model import Part, hollow_part, placed
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -17,13 +16,6 @@ from chord_usd.library.kit.solids import (
     lathe,
     mirrored_pair,
     rounded_slab,
-)
-from chord_usd.library.tables.period_tables import (
-    low_slab_table,
-    panel_table,
-    steel_table,
-    turned_pedestal,
-    turned_table,
 )
 
 _TOP_M = 0.03
@@ -205,108 +197,3 @@ def cube_table(size_m: Size) -> tuple[Part, ...]:
 
 def _pair(top: str, leg: str, handle: str = "black_metal") -> dict[str, str]:
     return {"top": top, "leg": leg, "body": top, "front": top, "handle": handle}
-
-
-_WOOD = {
-    **{wood: _pair(wood, wood) for wood in ("oak", "pale_oak", "birch", "black_stain")},
-    "walnut": _pair("walnut", "walnut", "brass"),
-    "dark_walnut": _pair("dark_walnut", "dark_walnut", "brass"),
-    "cherry": _pair("cherry", "cherry", "brass"),
-    "white": _pair("pale_oak", "white", "steel"),
-}
-_METAL = {
-    "oak_black": _pair("oak", "black_metal"),
-    "walnut_black": _pair("walnut", "black_metal"),
-    "dark_walnut_black": _pair("dark_walnut", "black_metal"),
-    "pale_oak_black": _pair("pale_oak", "black_metal"),
-    "walnut_brass": _pair("walnut", "brass", "brass"),
-    "dark_walnut_steel": _pair("dark_walnut", "steel", "steel"),
-    "white_steel": _pair("white", "steel", "steel"),
-}
-_STONE = {
-    "marble": _pair("marble", "brass"),
-    "marble_black": _pair("marble", "black_metal"),
-    "dark_stone": _pair("dark_stone", "black_metal"),
-    "quartz": _pair("quartz", "oak"),
-    "concrete": _pair("concrete", "oak"),
-}
-_DESK = {
-    "oak_white": {**_pair("oak", "black_metal"), "body": "white", "front": "white"},
-    "walnut": _pair("walnut", "black_metal", "brass"),
-    "sage": {**_pair("pale_oak", "black_metal"), "body": "sage", "front": "sage"},
-    "birch": {**_pair("birch", "birch"), "body": "white", "front": "white"},
-}
-
-_M, _S, _C, _I, _J = (
-    (name,) for name in ("modern", "scandinavian", "classic", "industrial", "japanese")
-)
-
-_DESKS = (
-    Style("Desk_Panel", panel_table, _WOOD, 0.74, _M),
-    Style("Desk_Plain", partial(legged_table, leg_m=0.045), _WOOD, 0.74, _J),
-    Style("Desk_Splayed", partial(legged_table, leg_m=0.05, is_round=True), _WOOD, 0.74, _S),
-    Style("Desk_Turned", partial(turned_table, leg_m=0.06), _WOOD, 0.76, _C),
-    Style("Desk_Portal", trestle_table, _METAL, 0.75, _I),
-)
-_DRAWER_DESKS = (
-    Style("Desk_Drawers", drawer_desk, _DESK, 0.75, (*_M, *_S)),
-    Style("Desk_Drawers_Left", partial(drawer_desk, side="left"), _DESK, 0.75, (*_M, *_S)),
-)
-_DINING = (
-    Style("Dining_Table_Panel", panel_table, _WOOD, 0.75, _M),
-    Style(
-        "Dining_Table_Splayed", partial(legged_table, leg_m=0.07, top_m=0.035, is_round=True),
-        _WOOD, 0.75, _S,
-    ),
-    Style("Dining_Table_Turned", partial(turned_table, leg_m=0.085), _WOOD, 0.76, _C),
-    Style("Dining_Table_Trestle", trestle_table, _METAL, 0.76, _I),
-    Style("Dining_Table_Square_Legs", partial(legged_table, leg_m=0.075, top_m=0.045), _WOOD,
-          0.72, _J),
-)  # fmt: skip
-_DINING_ROUND = (
-    Style("Dining_Table_Round", partial(pedestal_table, foot_m=0.3), _STONE, 0.75, _M),
-    Style("Dining_Table_Pedestal", turned_pedestal, _WOOD, 0.76, _C),
-)
-_COFFEE = (
-    Style("Coffee_Table_Waterfall", waterfall_table, _WOOD, 0.4, _M),
-    Style("Coffee_Table_Splayed", partial(legged_table, leg_m=0.05, is_round=True), _WOOD, 0.42,
-          _S),
-    Style("Coffee_Table_Turned", partial(turned_table, leg_m=0.06, has_shelf=True), _WOOD, 0.46,
-          _C),
-    Style("Coffee_Table_Cart", steel_table, _METAL, 0.42, _I),
-    Style("Coffee_Table_Low", low_slab_table, _WOOD, 0.35, _J),
-)  # fmt: skip
-_COFFEE_ROUND = Style("Coffee_Table_Round", pedestal_table, _STONE, 0.4, (*_M, *_C))
-_COFFEE_DRUMS = Style("Coffee_Table_Drums", nest_of_drums, _STONE, 0.44, _M)
-_SIDE = (
-    Style("Side_Table_Tray", tray_table, _METAL, 0.52, (*_S, *_M)),
-    Style("Side_Table_Cube", cube_table, _WOOD, 0.5, _J),
-    Style("Side_Table_Pedestal", turned_pedestal, _WOOD, 0.58, _C),
-    Style("Side_Table_Frame", partial(steel_table, has_wheels=False), _METAL, 0.5, _I),
-)
-_SIDES_M = (0.36, 0.41, 0.46, 0.51, 0.56, 0.62)
-
-
-def _each(
-    category: str, forms: Sequence[Style], lengths: Sequence[float], widths: Sequence[float]
-) -> Iterator[Design]:
-    """Each form in every other length, so that all styles have nearly all sizes."""
-    for number, form in enumerate(forms):
-        yield from editions(category, (form,), lengths[number % 2 :: 2], widths)
-
-
-DESIGNS = (
-    *_each("table", _DESKS, steps(0.8, 1.7), (0.51, 0.6)),
-    *_each("table", _DRAWER_DESKS, steps(1.05, 1.65), (0.51, 0.6)),
-    *_each("table", (*_DESKS, *_DRAWER_DESKS), (1.4, 1.55, 1.7), (0.71,)),
-    *_each("dining_table", _DINING, steps(0.83, 1.23), (0.77,)),
-    *_each("dining_table", _DINING, steps(1.2, 2.1), (0.79, 0.89, 0.99)),
-    *(design for form in _DINING_ROUND for side in (0.85, 0.95, 1.05)
-      for design in editions("dining_table", (form,), (side,), (side,))),
-    *_each("coffee_table", _COFFEE, steps(0.65, 1.35), (0.65, 0.75, 0.85)),
-    *(design for side in (0.6, 0.7, 0.8, 0.9)
-      for design in editions("coffee_table", (_COFFEE_ROUND,), (side,), (side,))),
-    *editions("coffee_table", (_COFFEE_DRUMS,), (0.85, 0.95), (0.55,)),
-    *(design for form in _SIDE for side in _SIDES_M
-      for design in editions("side_coffee_table", (form,), (side,), (side,))),
-)  # fmt: skip

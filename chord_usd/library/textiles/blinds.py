@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from functools import partial
 
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, Solid, block, box, cylinder, joined, tube, welded
-from chord_usd.library.surfaces.textiles import TEXTILES, dyed
 
 _SLAT_EACH_M = 0.04
 
@@ -170,55 +167,3 @@ def panels(size_m: Size) -> tuple[Part, ...]:
         Part("Panels", joined(sheets), "cloth", None),
         Part("Battens", joined(bars), "metal", None),
     )
-
-
-_WHITE = ("white_cloth", "cream_cloth", "linen", "grey_cloth", "charcoal_cloth")
-_CALM = ("white_cloth", "linen", "sage_linen", "blush_linen", "blue_linen", "oat_linen")
-_RICH = ("cream_cloth", "beige_cloth", "linen", "navy_linen", "burgundy_linen", "forest_linen")
-_EARTH = ("washi", "linen", "beige_cloth", "oat_linen", "cream_cloth")
-_STEEL, _BLACK = {"metal": "steel"}, {"metal": "black_metal"}
-_SLATS = {
-    name: {"slat": name, "cord": "linen" if name != "black_metal" else "black_metal"}
-    for name in ("white", "oak", "walnut", "dark_walnut", "black_metal", "steel")
-}
-_BAMBOO = {name: {"slat": name, "cord": "linen"} for name in ("oak", "pale_oak", "birch", "walnut")}
-_SHOJI = {
-    f"{cloth.split('_')[0]}_{wood}": {"cloth": cloth, "metal": wood}
-    for cloth in ("washi", "linen", "oat_linen")
-    for wood in ("oak", "pale_oak", "black_stain")
-}
-
-_LENGTHS_M = (0.5, 0.65, 0.85, 1.1, 1.4, 1.8, 2.35)
-_HALF_DOWN_M, _UP_M, _DOWN_M = 0.7, 0.22, 1.25
-
-
-def _blinds() -> Iterator[Design]:
-    kinds = (
-        ("Roller", roller, 0.055, (_UP_M, _HALF_DOWN_M), dyed("cloth", _WHITE, _STEEL),
-         ("modern", "industrial")),
-        ("Roller_Linen", roller, 0.055, (_UP_M, _HALF_DOWN_M), dyed("cloth", _CALM, _STEEL),
-         ("scandinavian",)),
-        ("Roller_Black", roller, 0.055, (_HALF_DOWN_M,),
-         dyed("cloth", ("charcoal_cloth", "grey_cloth", "linen"), _BLACK), ("industrial",)),
-        ("Venetian", venetian, 0.06, (_HALF_DOWN_M, _DOWN_M), _SLATS,
-         ("modern", "industrial", "classic")),
-        ("Bamboo", partial(venetian, tilt_deg=55.0), 0.06, (_HALF_DOWN_M,), _BAMBOO,
-         ("japanese", "scandinavian")),
-        ("Roman", roman, 0.085, (0.42, _HALF_DOWN_M), dyed("cloth", _RICH), ("classic",)),
-        ("Roman_Linen", roman, 0.075, (0.42, _HALF_DOWN_M), dyed("cloth", _CALM),
-         ("scandinavian", "modern")),
-        ("Panels", panels, 0.08, (_DOWN_M, 2.2), _SHOJI, ("japanese",)),
-        ("Roller_Paper", roller, 0.055, (_HALF_DOWN_M,), dyed("cloth", _EARTH, _BLACK),
-         ("japanese",)),
-    )  # fmt: skip
-    for name, draw, width, heights, ways, styles in kinds:
-        for height in heights:
-            for length in _LENGTHS_M:
-                if name == "Panels" and length < 0.8:
-                    continue
-                id_ = f"Blind_{name}_{100 * length:.0f}x{100 * height:.0f}"
-                size_m = (length, width, height)
-                yield Design(id_, "blind", size_m, draw, ways, TEXTILES, styles)
-
-
-DESIGNS = tuple(_blinds())

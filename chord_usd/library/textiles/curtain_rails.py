@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
 from typing import Literal
 
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -21,7 +19,6 @@ from chord_usd.library.kit.solids import (
     rounded_profile,
     tube,
 )
-from chord_usd.library.surfaces.textiles import TEXTILES
 
 Finial = Literal["ball", "cap", "urn", "none"]
 
@@ -99,45 +96,3 @@ def track(size_m: Size) -> tuple[Part, ...]:
         Part("Track", bar, "rod", None),
         Part("Brackets", joined([foot.moved(x) for x in places]), "bracket", None),
     )
-
-
-_METALS = {
-    name: {"rod": name, "bracket": name} for name in ("black_metal", "steel", "brass", "chrome")
-}
-_GILT = {name: {"rod": name, "bracket": name} for name in ("brass", "black_metal")}
-_POLES = {
-    name: {"rod": name, "bracket": metal}
-    for name, metal in (("oak", "black_metal"), ("pale_oak", "black_metal"), ("birch", "brass"),
-                        ("walnut", "brass"), ("dark_walnut", "brass"), ("black_stain", "brass"))
-}  # fmt: skip
-_TRACKS = {
-    "white": {"rod": "white", "bracket": "white"},
-    "black": {"rod": "black_metal", "bracket": "black_metal"},
-    "steel": {"rod": "steel", "bracket": "steel"},
-}
-
-_LENGTHS_M = (0.9, 1.15, 1.45, 1.8, 2.2, 2.7, 3.3, 4.0)
-
-
-def _rails() -> Iterator[Design]:
-    kinds = (
-        ("Rod", partial(rod, finial="cap", radius_m=0.011), 0.1, 0.036, _METALS,
-         ("modern", "industrial")),
-        ("Turned", partial(rod, finial="urn", radius_m=0.014, rings=True), 0.11, 0.056, _GILT,
-         ("classic",)),
-        ("Pole", partial(rod, finial="ball", radius_m=0.014), 0.11, 0.052, _POLES,
-         ("scandinavian", "classic")),
-        ("Batten", partial(rod, finial="cap", radius_m=0.013), 0.1, 0.032, _POLES,
-         ("japanese", "scandinavian")),
-        ("Track", track, 0.09, 0.03, _TRACKS, ("modern", "japanese")),
-    )  # fmt: skip
-    for name, draw, width, height, colourways, styles in kinds:
-        for length in _LENGTHS_M:
-            size_m = (length, width, height)
-            yield Design(
-                f"Curtain_Rail_{name}_{100 * length:.0f}", "curtain_rail", size_m, draw,
-                colourways, TEXTILES, styles,
-            )  # fmt: skip
-
-
-DESIGNS = tuple(_rails())

@@ -3,29 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 from typing import Literal
 
 from chord_usd.library.cloth.hangings import HEIGHT_M, TIE
 from chord_usd.library.cloth.stored import Cloth, stored
-from chord_usd.library.kit.model import Design, Draw, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, circle, joined, loft
-from chord_usd.library.surfaces.textiles import TEXTILES, dyed
 
 Heading = Literal["wave", "pinch", "gather", "eyelet"]
 
 _TAPE_M = 0.09
 """How much of the upper end never changes where curtains are of other lengths."""
-
-
-@dataclass(frozen=True)
-class _Kind:
-    name: str
-    heading: Heading
-    colourways: dict[str, dict[str, str]]
-    styles: tuple[str, ...] = ()
 
 
 def curtain(size_m: Size, *, heading: Heading, state: str) -> tuple[Part, ...]:
@@ -92,58 +81,3 @@ def _eyelets(cloth: Cloth, height: float):
     ]
     hoop = loft(ring, loop=True).turned("y", 90)
     return joined([hoop.moved(p[0], p[1], height - 0.04) for p in crossings])
-
-
-_PLAIN = ("linen", "white_cloth", "cream_cloth", "beige_cloth", "grey_cloth", "charcoal_cloth")
-_SCANDI = ("linen", "white_cloth", "grey_cloth", "beige_cloth", "sage_linen", "blush_linen",
-           "blue_linen", "mustard_linen")  # fmt: skip
-_EARTH = ("linen", "beige_cloth", "cream_cloth", "moss_linen", "indigo_linen", "charcoal_cloth",
-          "terracotta_linen")  # fmt: skip
-_MODERN = (*_PLAIN, "teal_linen", "mustard_linen", "rust_linen", "navy_linen")
-_LOFT = ("charcoal_cloth", "grey_cloth", "linen", "rust_linen", "mustard_linen", "teal_linen",
-         "black_linen")  # fmt: skip
-_RICH = ("cream_cloth", "beige_cloth", "linen", "burgundy_velvet", "navy_velvet", "forest_velvet",
-         "gold_velvet")  # fmt: skip
-_SHEERS = dyed("cloth", ("white_sheer", "cream_sheer", "grey_sheer"))
-
-
-def _tied(finishes: tuple[str, ...]) -> dict[str, dict[str, str]]:
-    ways = dyed("cloth", finishes)
-    return {name: {**slots, "band": slots["cloth"]} for name, slots in ways.items()}
-
-
-_KINDS = (
-    _Kind("Wave", "wave", dyed("cloth", _MODERN), ("modern",)),
-    _Kind("Linen", "gather", dyed("cloth", _SCANDI), ("scandinavian",)),
-    _Kind("Plain", "wave", dyed("cloth", _EARTH), ("japanese",)),
-    _Kind("Eyelet", "eyelet", dyed("cloth", _LOFT, {"metal": "black_metal"}), ("industrial",)),
-    _Kind("Pleated", "pinch", dyed("cloth", _RICH), ("classic",)),
-)
-_SHEER = _Kind("Sheer", "gather", _SHEERS)
-_SHEER_WAVE = _Kind("Sheer_Wave", "wave", _SHEERS, ("modern", "industrial", "japanese"))
-_HELD = _Kind("Held", "pinch", _tied(_RICH), ("classic",))
-
-_HEIGHTS_M = (2.4, 1.4)
-_OPEN_M = (0.26, 0.34, 0.44)
-_DRAWN_M = (0.5, 0.66, 0.86, 1.12, 1.45)
-_DEPTH_M = {"wave": 0.11, "eyelet": 0.12, "pinch": 0.11, "gather": 0.09}
-
-
-def _curtains() -> Iterator[Design]:
-    for kind in (*_KINDS, _SHEER, _SHEER_WAVE):
-        for height in _HEIGHTS_M:
-            for length in _DRAWN_M:
-                yield _design(kind, "Drawn", (length, _DEPTH_M[kind.heading], height))
-            for length in _OPEN_M:
-                yield _design(kind, "Open", (length, _DEPTH_M[kind.heading], height))
-    for length in (0.4, 0.5):
-        yield _design(_HELD, "Open", (length, 0.13, 2.4), state="tied")
-
-
-def _design(kind: _Kind, word: str, size_m: Size, state: str = "") -> Design:
-    draw: Draw = partial(curtain, heading=kind.heading, state=state or word.lower())
-    name = f"Curtain_{word}_{kind.name}_{100 * size_m[0]:.0f}x{100 * size_m[2]:.0f}"
-    return Design(name, "curtain", size_m, draw, kind.colourways, TEXTILES, kind.styles)
-
-
-DESIGNS = tuple(_curtains())

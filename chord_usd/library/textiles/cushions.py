@@ -7,9 +7,6 @@ They are soft: what they sink into would be pushed away by their colliders, so t
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -18,9 +15,8 @@ from chord_usd.library.cloth.cloth_grids import Made
 from chord_usd.library.cloth.stored import Cloth
 from chord_usd.library.cloth.stuffed import Filling, stuffed
 from chord_usd.library.cloth.throws import Place, Throw, laid_over
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, Solid, lathe, loft
-from chord_usd.library.surfaces.textiles import TEXTILES, dyed
 
 _LEAN_DEG = 72.0
 _CORD_M = 0.0045
@@ -135,85 +131,3 @@ def _fitted(size_m: Size, made: Made, fringe: Solid | None) -> tuple[Part, ...]:
     if fringe is not None:
         parts.append(Part("Fringe", fringe.moved(*shift).scaled(*scale), "cloth", None))
     return tuple(parts)
-
-
-_MODERN = ("teal_velvet", "mustard_velvet", "rust_velvet", "navy_velvet", "grey_cloth",
-           "charcoal_cloth", "cream_boucle")  # fmt: skip
-_SCANDI = ("sage_linen", "blush_linen", "blue_linen", "mustard_linen", "linen", "white_cotton",
-           "grey_wool", "oat_boucle")  # fmt: skip
-_CLASSIC = ("burgundy_velvet", "navy_velvet", "forest_velvet", "gold_velvet", "cream_cloth",
-            "beige_linen")  # fmt: skip
-_LOFT = ("rust_cloth", "mustard_linen", "tan_leather", "teal_linen", "charcoal_wool",
-         "grey_cloth", "black_linen")  # fmt: skip
-_EARTH = ("moss_linen", "indigo_linen", "charcoal_linen", "terracotta_linen", "linen",
-          "oat_linen", "beige_cloth")  # fmt: skip
-_CREAM = {"cord": "cream_cloth"}
-_GOLD = {"cord": "gold_cotton"}
-
-
-def _cushions() -> Iterator[Design]:
-    struck = partial(cushion, filling=Filling(chop=0.1, seed=1))
-    slack = partial(cushion, filling=Filling(0.15, 7, 0.018, slump=0.3, chop=0.05, seed=2))
-    full = partial(cushion, filling=Filling(0.19, seed=3), piped=True)
-    bordered = partial(cushion, filling=Filling(slump=0.2, flange_m=0.025, seed=4))
-    buttoned = partial(cushion, filling=Filling(0.15, 7, slump=0.0, tuft=0.6, seed=5))
-    low, bare = Filling(0.15, seed=6), Filling(0.13, 7, 0.017, slump=0.25, seed=7)
-    kinds: tuple[tuple[Any, ...], ...] = (
-        ("Velvet", struck, _MODERN, {}, ("modern",), ((0.5, 0.5), (0.42, 0.42))),
-        ("Linen", slack, _SCANDI, {}, ("scandinavian",), ((0.5, 0.5), (0.44, 0.44))),
-        ("Piped", full, _CLASSIC, _GOLD, ("classic",), ((0.5, 0.5), (0.42, 0.42))),
-        ("Canvas", bordered, _LOFT, {}, ("industrial",), ((0.5, 0.5), (0.44, 0.44))),
-        ("Zabuton", buttoned, _EARTH, {}, ("japanese",), ((0.48, 0.48), (0.4, 0.4))),
-        ("Lumbar", partial(cushion, filling=low), _MODERN, {}, ("modern",), ((0.56, 0.34),)),
-        ("Lumbar_Linen", partial(cushion, filling=bare), _SCANDI, {}, ("scandinavian", "japanese"),
-         ((0.56, 0.34),)),
-        ("Lumbar_Piped", partial(cushion, filling=low, piped=True), _CLASSIC, _CREAM, ("classic",),
-         ((0.56, 0.34),)),
-        ("Lumbar_Canvas", partial(cushion, filling=bare), _LOFT, {}, ("industrial",),
-         ((0.56, 0.34),)),
-    )  # fmt: skip
-    for name, draw, finishes, others, styles, sizes in kinds:
-        for length, tall in sizes:
-            size_m = (length, round(0.12 + 0.22 * tall, 3), round(0.94 * tall, 3))
-            id_ = f"Cushion_{name}_{100 * length:.0f}x{100 * tall:.0f}"
-            ways = dyed("cloth", finishes, others)
-            yield Design(id_, "cushion", size_m, draw, ways, TEXTILES, styles)
-    for name, finishes, styles in (
-        ("Bolster", _CLASSIC, ("classic",)),
-        ("Roll", _EARTH, ("japanese", "modern")),
-    ):
-        ways = {key: {**way, "cord": way["cloth"]} for key, way in dyed("cloth", finishes).items()}
-        for length in (0.42, 0.6):
-            size_m = (length, 0.25, 0.25)
-            id_ = f"Cushion_{name}_{100 * length:.0f}"
-            yield Design(id_, "cushion", size_m, bolster, ways, TEXTILES, styles)
-
-
-_THROW_LENGTHS_M = tuple(round(length + 0.06, 2) for length in (0.9, 1.0, 1.2, 1.35, 1.5, 1.8, 2.0))
-
-
-def _throws() -> Iterator[Design]:
-    kinds = (
-        ("Velvet", _MODERN, ("modern",), Throw(folds=3, fold_m=0.026, seed=1)),
-        ("Knit", ("sage_wool", "blush_wool", "blue_wool", "mustard_wool", "cream_wool",
-                  "grey_wool"), ("scandinavian",),
-         Throw(folds=4, fold_m=0.024, thick_m=0.016, fringe_m=0.06, askew=0.05, seed=2)),
-        ("Quilt", _CLASSIC, ("classic",),
-         Throw(folds=2, fold_m=0.008, thick_m=0.02, quilted_m=0.1, seed=3)),
-        ("Wool", ("rust_wool", "mustard_wool", "tan_wool", "teal_wool", "charcoal_wool"),
-         ("industrial",), Throw(folds=5, fringe_m=0.05, askew=-0.06, seed=4)),
-        ("Linen", _EARTH, ("japanese",), Throw(folds=6, fold_m=0.02, thick_m=0.01, seed=5)),
-    )  # fmt: skip
-    for name, finishes, styles, throw in kinds:
-        ways = dyed("cloth", finishes)
-        for length in _THROW_LENGTHS_M:
-            id_ = f"Throw_Bed_{name}_{100 * length:.0f}"
-            draw = partial(bed_throw, throw=throw)
-            yield Design(id_, "throw", (length, 0.6, 0.3), draw, ways, TEXTILES, styles)
-        for depth in (0.42, 0.52, 0.64):
-            id_ = f"Throw_Seat_{name}_{100 * depth:.0f}"
-            draw = partial(seat_throw, throw=throw)
-            yield Design(id_, "throw", (0.55, depth, 0.28), draw, ways, TEXTILES, styles)
-
-
-DESIGNS = (*_cushions(), *_throws())

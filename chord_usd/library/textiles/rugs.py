@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Literal
@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, Solid, loft, welded
 from chord_usd.library.surfaces.drawn import DrawnFinishes
 from chord_usd.library.surfaces.finishes import Finish
@@ -20,9 +20,6 @@ from chord_usd.library.textiles import rug_patterns
 from chord_usd.library.textiles.rug_patterns import Pattern, Rgb, woven
 
 Shape = Literal["rectangle", "round"]
-
-FLAT_M = 0.0045
-"""A flat weave: furniture stands on it."""
 
 _FRINGE_M = 0.045
 _TASSEL_EACH_M = 0.014
@@ -44,15 +41,8 @@ class _Weave:
     name: str
     pattern: Pattern
     palettes: Mapping[str, tuple[Rgb, ...]]
-    styles: tuple[str, ...] = ()
-    shape: Shape = "rectangle"
-    fringe: str = ""
-    """Finish of its tassels; none without."""
-    shaggy_m: float = 0.0
-    """How far the pile frays its outline."""
     yarn: float = 0.07
     pile: float = 0.05
-    height_m: float = FLAT_M
     bound: int | None = None
     """Which of its colours the tape around its edge has; None for an edge without."""
 
@@ -217,67 +207,22 @@ _RUSH = {
     "indigo": ((194, 178, 130), (172, 156, 110), _INDIGO),
 }  # fmt: skip
 
-_SIZES_M = (
-    (1.2, 0.8), (1.55, 1.05), (1.8, 1.2), (2.1, 1.45), (2.4, 1.65), (2.8, 1.95), (3.2, 2.3),
-    (3.8, 2.7),
-)  # fmt: skip
-_RUNNERS_M = ((1.5, 0.65), (2.0, 0.7), (2.6, 0.8))
-_ROUNDS_M = ((0.9, 0.9), (1.2, 1.2), (1.6, 1.6), (2.0, 2.0))
-
 _P = rug_patterns
 _RECTANGLES = (
-    _Weave("Bordered", _P.bordered, _BORDERED, ("modern", "scandinavian", "japanese"), bound=1),
-    _Weave("Striped", _P.stripes, _STRIPED, ("scandinavian",), fringe="cream_wool"),
-    _Weave("Berber", _P.berber, _BERBER, ("scandinavian", "modern"), fringe="cream_wool",
-           shaggy_m=0.006, yarn=0.11, pile=0.09, height_m=0.022),
-    _Weave("Arcs", _P.arcs, _ARCS, ("modern",), bound=0),
-    _Weave("Persian", _P.persian, _PERSIAN, ("classic",), fringe="cream_wool", pile=0.04),
-    _Weave("Faded", _P.persian, _FADED, ("industrial",), fringe="oat_wool", yarn=0.1, pile=0.12),
-    _Weave("Plain", _P.plain, _PLAIN, ("industrial", "japanese", "modern"), shaggy_m=0.003,
-           yarn=0.1, pile=0.06, height_m=0.018),
-    _Weave("Checked", _P.checks, _CHECKED, ("industrial",), bound=1),
-    _Weave("Rush", _P.tatami, _RUSH, ("japanese",), pile=0.03, bound=2),
-)  # fmt: skip
+    _Weave("Bordered", _P.bordered, _BORDERED, bound=1),
+    _Weave("Striped", _P.stripes, _STRIPED),
+    _Weave("Berber", _P.berber, _BERBER, yarn=0.11, pile=0.09),
+    _Weave("Arcs", _P.arcs, _ARCS, bound=0),
+    _Weave("Persian", _P.persian, _PERSIAN, pile=0.04),
+    _Weave("Faded", _P.persian, _FADED, yarn=0.1, pile=0.12),
+    _Weave("Plain", _P.plain, _PLAIN, yarn=0.1, pile=0.06),
+    _Weave("Checked", _P.checks, _CHECKED, bound=1),
+    _Weave("Rush", _P.tatami, _RUSH, pile=0.03, bound=2),
+)
 _ROUNDS = (
-    _Weave("Jute", _P.rings, _JUTE, ("scandinavian", "japanese", "industrial"), "round",
-           yarn=0.09),
-    _Weave("Disc", _P.plain, _PLAIN, ("modern", "japanese"), "round", shaggy_m=0.004, yarn=0.1,
-           pile=0.06, height_m=0.018),
-)  # fmt: skip
-_RUNNER_NAMES = ("Striped", "Persian", "Faded", "Bordered", "Plain", "Rush")
-
-
-def _design(weave: _Weave, name: str, length: float, width: float, category: str) -> Design:
-    draw = partial(rug, shape=weave.shape, fringed=bool(weave.fringe), shaggy_m=weave.shaggy_m,
-                   bound=weave.bound is not None)  # fmt: skip
-    trim = {"fringe": weave.fringe} if weave.fringe else {}
-    ways = {colour: {"rug": _finish_name(weave, colour), **trim} for colour in weave.palettes}
-    tapes = {}
-    if weave.bound is not None:
-        for colour, palette in weave.palettes.items():
-            ways[colour]["binding"] = tape = f"{_finish_name(weave, colour)}_tape"
-            tapes[tape] = Finish(palette[weave.bound], 0.95, surface="weave")
-    id_ = f"{name}_{weave.name}_{100 * length:.0f}x{100 * width:.0f}"
-    size_m = (length, width, weave.height_m)
-    pictures = {
-        _finish_name(weave, colour): cache(partial(_woven, weave, colour, length, width))
-        for colour in weave.palettes
-    }
-    finishes = DrawnFinishes({**TEXTILES, **tapes}, pictures)
-    return Design(id_, category, size_m, draw, ways, finishes, weave.styles)
-
-
-def _rugs() -> Iterator[Design]:
-    for weave in _RECTANGLES:
-        for length, width in _SIZES_M:
-            yield _design(weave, "Rug", length, width, "rug")
-        if weave.name in _RUNNER_NAMES:
-            for length, width in _RUNNERS_M:
-                yield _design(weave, "Rug_Runner", length, width, "rug")
-    for weave in _ROUNDS:
-        for length, width in _ROUNDS_M:
-            yield _design(weave, "Rug_Round", length, width, "rug")
-
+    _Weave("Jute", _P.rings, _JUTE, yarn=0.09),
+    _Weave("Disc", _P.plain, _PLAIN, yarn=0.1, pile=0.06),
+)
 
 _BATH = {
     "white": ((236, 234, 228), (248, 247, 244)), "grey": ((150, 150, 148), (178, 178, 176)),
@@ -290,20 +235,24 @@ _COIR = {
     "grey": ((120, 112, 100), (88, 82, 74)),
 }  # fmt: skip
 _MATS = (
-    (_Weave("Bath", _P.bordered, _BATH, shaggy_m=0.003, yarn=0.1, height_m=0.018),
-     ((0.6, 0.4), (0.75, 0.5), (0.9, 0.55))),
-    (_Weave("Ribbed", _P.ribs, _BATH, ("modern", "japanese", "industrial"), yarn=0.06,
-            height_m=0.009, bound=0),
-     ((0.6, 0.4), (0.75, 0.5), (0.9, 0.55))),
-    (_Weave("Door", _P.bordered, _COIR, shaggy_m=0.004, yarn=0.22, height_m=0.01),
-     ((0.6, 0.4), (0.75, 0.45))),
-)  # fmt: skip
+    _Weave("Bath", _P.bordered, _BATH, yarn=0.1),
+    _Weave("Ribbed", _P.ribs, _BATH, yarn=0.06, bound=0),
+    _Weave("Door", _P.bordered, _COIR, yarn=0.22),
+)
+_BY_NAME = {weave.name: weave for weave in (*_RECTANGLES, *_ROUNDS, *_MATS)}
 
 
-def _mats() -> Iterator[Design]:
-    for weave, sizes in _MATS:
-        for length, width in sizes:
-            yield _design(weave, "Mat", length, width, "mat")
-
-
-DESIGNS = (*_rugs(), *_mats())
+def wool(_: str, size_m: Size, *, weave: str) -> DrawnFinishes:
+    """Finishes of a carpet of this size: a picture for each palette of a weave, and its tape."""
+    kind = _BY_NAME[weave]
+    tapes = {}
+    if kind.bound is not None:
+        tapes = {
+            f"{_finish_name(kind, colour)}_tape": Finish(palette[kind.bound], 0.95, surface="weave")
+            for colour, palette in kind.palettes.items()
+        }
+    pictures = {
+        _finish_name(kind, colour): cache(partial(_woven, kind, colour, *size_m[:2]))
+        for colour in kind.palettes
+    }
+    return DrawnFinishes({**TEXTILES, **tapes}, pictures)

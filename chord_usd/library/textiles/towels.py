@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray, frozen_array
 from chord_usd.library.cloth.stored import Cloth, stored
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, Solid, block, cylinder, joined, tube
-from chord_usd.library.surfaces.textiles import TEXTILES
 
 _BAR_M = 0.009
 _SIDE_M = (0.02, 0.038)
@@ -183,64 +180,3 @@ def _swept(
     uv = np.concatenate([uv, [[x[0], 0.0], [x[-1], 0.0]]])
     solid = Solid(frozen_array(points), frozen_array(made, np.int64))
     return solid, uv[made.reshape(-1)]
-
-
-_PAIRS = {
-    "white": ("white_boucle", "white_boucle"), "sage": ("sage_boucle", "white_boucle"),
-    "sand": ("oat_boucle", "white_boucle"), "grey": ("grey_boucle", "white_boucle"),
-    "charcoal": ("charcoal_boucle", "grey_boucle"), "navy": ("navy_boucle", "white_boucle"),
-    "blush": ("blush_boucle", "white_boucle"), "terracotta": ("terracotta_boucle", "oat_boucle"),
-    "forest": ("forest_boucle", "cream_boucle"), "mustard": ("mustard_boucle", "white_boucle"),
-}  # fmt: skip
-_BY_METAL = {
-    "chrome": ("white", "grey", "navy"), "black_metal": ("white", "sage", "charcoal", "terracotta"),
-    "brass": ("white", "forest", "blush", "navy"), "steel": ("charcoal", "mustard", "sand"),
-}  # fmt: skip
-
-
-def _ways(metals: tuple[str, ...]) -> dict[str, dict[str, str]]:
-    return {
-        f"{metal.split('_')[0]}_{colour}": {
-            "metal": metal, "towel": _PAIRS[colour][0], "second": _PAIRS[colour][1]
-        }
-        for metal in metals
-        for colour in _BY_METAL.get(metal, ("white", "sand", "sage", "charcoal"))
-    }  # fmt: skip
-
-
-_STACKS = {colour: {"towel": first, "second": second} for colour, (first, second) in _PAIRS.items()}
-
-
-def _towels() -> Iterator[Design]:
-    rails = (
-        ("Bar", rail, ("chrome", "brass"), ("modern", "classic", "scandinavian")),
-        ("Square", partial(rail, square=True), ("black_metal", "steel"),
-         ("modern", "industrial")),
-        ("Wood", partial(rail, square=True), ("oak", "pale_oak", "walnut"),
-         ("japanese", "scandinavian")),
-    )  # fmt: skip
-    for name, draw, metals, styles in rails:
-        for length in (0.44, 0.54, 0.66, 0.8):
-            size_m = (length, 0.1, 0.52)
-            id_ = f"Towel_Rail_{name}_{100 * length:.0f}"
-            yield Design(id_, "towel_rail", size_m, draw, _ways(metals), TEXTILES, styles)
-    for length, height in ((0.45, 0.8), (0.5, 1.2), (0.6, 1.5)):
-        id_ = f"Towel_Rail_Ladder_{100 * length:.0f}x{100 * height:.0f}"
-        ways = _ways(("chrome", "black_metal")) | {
-            f"white_{colour}": {"metal": "white", "towel": _PAIRS[colour][0], "second": "linen"}
-            for colour in ("grey", "sage", "sand")
-        }
-        yield Design(id_, "towel_rail", (length, 0.13, height), ladder, ways, TEXTILES)
-    for layers, length, width in (
-        (2, 0.32, 0.22),
-        (3, 0.32, 0.24),
-        (4, 0.36, 0.26),
-        (3, 0.24, 0.2),
-    ):
-        size_m = (length, width, round(0.052 * layers, 3))
-        id_ = f"Towel_Stack_{layers}_{100 * length:.0f}x{100 * width:.0f}"
-        draw = partial(stack, layers=layers)
-        yield Design(id_, "towel_stack", size_m, draw, _STACKS, TEXTILES)
-
-
-DESIGNS = tuple(_towels())

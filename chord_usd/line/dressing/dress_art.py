@@ -257,7 +257,7 @@ def _clock(frame: RoomFrame) -> None:
 def _hooks(frame: RoomFrame) -> None:
     """Coats at the entrance, where they leave the way free; else bare hooks on a bare wall."""
     offered = frame.stock.offered("hook_rail")
-    with_coats = [asset for asset in offered if "Coats" in asset.id.split("_")]
+    with_coats = [asset for asset in offered if "coats" in asset.tags]
     bare = [asset for asset in offered if asset not in with_coats]
     for rails in (with_coats, bare):
         family = frame.stock.family(rails, "hook_rail")

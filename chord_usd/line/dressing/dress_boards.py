@@ -232,8 +232,8 @@ def _chosen(
 def _offered(frame: RoomFrame, name: str) -> Sequence[Asset]:
     """What there is of a category; bottles are those of the room's kind."""
     if name == "bottle":
-        word = "Bath" if frame.kind == "bathroom" else "Kitchen"
-        return frame.stock.offered(name, word) or frame.stock.offered(name)
+        tag = "bath" if frame.kind == "bathroom" else "kitchen"
+        return frame.stock.offered(name, tag) or frame.stock.offered(name)
     return frame.stock.offered(name)
 
 

@@ -184,7 +184,7 @@ def _standing(frame: RoomFrame) -> Iterator[Item]:
 def _indoor_mats(frame: RoomFrame) -> list[Asset]:
     """Mats but for those that shoes are wiped on."""
     offered = frame.stock.offered("mat")
-    return [asset for asset in offered if "Door" not in asset.id.split("_")]
+    return [asset for asset in offered if "doormat" not in asset.tags]
 
 
 def _bath_mat(frame: RoomFrame) -> None:
@@ -252,7 +252,7 @@ def _runner(frame: RoomFrame) -> None:
 
 def _doormat(frame: RoomFrame, face: WallFace, hole: Hole) -> None:
     """Just inside the front door."""
-    mats = frame.stock.family(frame.stock.offered("mat", "Door") or frame.stock.offered("mat"),
+    mats = frame.stock.family(frame.stock.offered("mat", "doormat") or frame.stock.offered("mat"),
                               "mat/door")  # fmt: skip
     for asset in sorted(mats, key=lambda a: (-a.size_m[0], a.id)):
         if asset.size_m[0] <= hole.width_m:

@@ -118,13 +118,14 @@ def _cabinets(frame: RoomFrame, unit: Item) -> Sequence[Asset]:
     offered = frame.stock.offered("wall_cabinet")
     is_open = frame.draws.chance(f"open/{unit.id}", frame.taste.open_kitchen)
     is_glazed = frame.draws.chance(f"glazed/{unit.id}", _GLAZED)
-    plain = [a for a in offered if not {"Open", "Glazed"} & set(a.id.split("_"))]
+    plain = [a for a in offered if not {"open", "glazed"} & set(a.tags)]
     family = frame.stock.family(plain or offered, "wall_cabinet")
-    if is_open and frame.stock.offered("wall_cabinet", "Open"):
-        return frame.stock.offered("wall_cabinet", "Open")
+    if is_open and frame.stock.offered("wall_cabinet", "open"):
+        return frame.stock.offered("wall_cabinet", "open")
     if is_glazed and family:
-        start = f"{family_of(family[0])}_Glazed"
-        return [a for a in offered if a.id.startswith(start)] or family
+        start = f"{family_of(family[0])}_"
+        glazed = frame.stock.offered("wall_cabinet", "glazed")
+        return [a for a in glazed if a.id.startswith(start)] or family
     return family
 
 

@@ -193,7 +193,7 @@ def _throw_over_bed(frame: RoomFrame, item: Item, seat: Seat) -> None:
     wanted = length + 0.06
     throws = [
         asset
-        for asset in frame.stock.offered("throw", "Bed")
+        for asset in frame.stock.offered("throw", "bed")
         if abs(stretched(asset.size_m[0], wanted) - wanted) < 1e-6
         and asset.size_m[2] < seat.level_m
     ]
@@ -216,7 +216,7 @@ def _throw_over_seat(frame: RoomFrame, item: Item, seat: Seat) -> None:
     share = frame.draws.share(f"throw/{item.id}")
     if share > frame.taste.throws * (0.8 if item.category == "sofa" else 0.3):
         return
-    offered = frame.stock.offered("throw", "Seat")
+    offered = frame.stock.offered("throw", "seat")
     throws = frame.stock.family(offered, f"throw/{item.id}")
     width = seat.right_m - seat.left_m
     for asset in sorted(throws, key=lambda a: (-a.size_m[1], a.id)):

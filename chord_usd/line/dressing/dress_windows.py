@@ -141,8 +141,8 @@ def _hung(frame: RoomFrame, place: _Place, rail: Box, *, drawn: bool) -> list[tu
 
 def _of_kind(frame: RoomFrame, *, drawn: bool) -> tuple[Asset, ...]:
     """Curtains of the house's family, open or drawn."""
-    offered = frame.stock.offered("curtain", "Drawn" if drawn else "Open")
-    sheer = tuple(a for a in offered if "Sheer" in a.id.split("_"))
+    offered = frame.stock.offered("curtain", "drawn" if drawn else "open")
+    sheer = tuple(a for a in offered if "sheer" in a.tags)
     thick = tuple(asset for asset in offered if asset not in sheer)
     return frame.stock.family((sheer if drawn else thick) or offered, "curtain")
 

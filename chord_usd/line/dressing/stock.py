@@ -28,18 +28,16 @@ class Stock:
         self._database, self._style, self._house = database, style, house
         self._offered: dict[str, tuple[Asset, ...]] = {}
 
-    def offered(self, category: str, word: str = "") -> tuple[Asset, ...]:
+    def offered(self, category: str, tag: str = "") -> tuple[Asset, ...]:
         """Assets of a category in forms that suit the style, or in any where none does.
 
-        word: one of the words of their ids, where any has it. Assets of the user's own go before
+        tag: one that they carry (library.database.TAGS). Assets of the user's own go before
         shipped ones. None for a category that the palette does not know.
         """
         if category not in self._offered:
             self._offered[category] = self._suiting(category)
         found = self._offered[category]
-        if not word:
-            return found
-        return tuple(asset for asset in found if word in asset.id.split("_"))
+        return tuple(asset for asset in found if not tag or tag in asset.tags)
 
     def every(self, category: str) -> tuple[Asset, ...]:
         """Assets of a category whatever their style."""
