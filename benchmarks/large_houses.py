@@ -152,12 +152,12 @@ def _rows(
         with watch.step("check"):
             check_stage(stage_path)
         area_m2 = sum(room_polygon(room).area for room in plan.rooms)
-        scores = {name: score.value for name, score in score_scenes([house.graph]).items()}
+        scores = {name: score.value for name, score in score_scenes(house.graphs).items()}
         total_s = sum(watch.seconds.values())
         steps = ", ".join(f"{name} {spent:.1f}" for name, spent in watch.seconds.items())
         peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         text = (
-            f"{house.plan_image.frame.height_px} px, {total_s:.1f} s ({steps}), "
+            f"{house.ground.plan_image.frame.height_px} px, {total_s:.1f} s ({steps}), "
             f"{1000 * total_s / area_m2:.0f} ms per m²; {peak_mib:.0f} MiB by then; "
             f"furnished {scores['furnished']:.2f}, POR {scores['por']:.4f}, "
             f"blocked openings {scores['blocked_openings']:.3f}"

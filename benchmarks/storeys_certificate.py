@@ -26,7 +26,6 @@ from chord_usd.base.scene.chord_json import json_text, write_plan
 from chord_usd.base.scene.json_stairs import storeys_to_json
 from chord_usd.base.scene.stair_elements import StairForm
 from chord_usd.line import pipeline
-from chord_usd.line.pipeline.whole_house import generate_storeys
 from chord_usd.line.stage.check.check_stage import check_stage
 from chord_usd.workshop.data.storey_houses import random_storeys
 
@@ -44,7 +43,7 @@ def _house(
     whole.write_text(json_text(storeys_to_json(storeys)))
     write_plan(storeys[0].plan, ground)
     settings = pipeline.Settings(seed=seed)
-    made = generate_storeys(storeys, [whole], folder / "house.usda", settings, models=models)
+    made = pipeline.generate(whole, folder / "house.usda", settings, models=models)
     report = check_stage(folder / "house.usda", own=True)
     is_timed = seed % _TIMED_EVERY == 0
     return {

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from PIL import Image
 
     from chord_usd.base.runtime.targets import FolderMode
-    from chord_usd.base.scene.settings import Settings
     from chord_usd.base.scene.types import Item, RoomKind
     from chord_usd.line.stage.check.check_stage import Report
     from chord_usd.line.stage.export.exchange.built_house import House as BuiltHouse
@@ -345,6 +344,8 @@ def generate(
     settings = Settings(**given)
     pipeline.require(settings)
     plans = [Path(plan)] if isinstance(plan, str | PathLike) else [Path(one) for one in plan]
+    if not plans:
+        raise ChordError("no plan was given", where="plan", expected="a file, or several")
     for one in plans:
         refuse_odd_file(one)
     folder = _Folder() if output is None else None
@@ -353,31 +354,13 @@ def generate(
     check_named([*named, Named("output", house.path, output_file)])
     with deliver() as delivery:
         target = delivery.place(house.path)
-        _warn(_generated(plans, target, settings, _watch(progress)))
+        _warn(pipeline.generate(plans, target, settings, _watch(progress)).warnings)
     house._written = _state(house.path)
     return house
 
 
 generate.__signature__ = with_keywords(generate)  # type: ignore[attr-defined]
 generate.__doc__ = f"{generate.__doc__}\n{described(HouseOptions.__annotations__)}"
-
-
-def _generated(
-    plans: Sequence[Path], target: Path, settings: Settings, watch: Stopwatch
-) -> Sequence[str]:
-    """Write a house of one storey or more; returns what a user should know. Raises ChordError."""
-    from chord_usd.line import pipeline
-    from chord_usd.line.pipeline.whole_house import generate_storeys, read_storeys, storeys_in
-
-    if not plans:
-        raise ChordError("no plan was given", where="plan", expected="a file, or several")
-    if len(plans) == 1 and not storeys_in(plans[0]):
-        made = pipeline.generate(plans[0], target, settings, watch)
-        return tuple(made.plan.extra.get("warnings", ()))
-    house = generate_storeys(read_storeys(plans, settings), plans, target, settings, watch)
-    extras = [storey.plan.extra for storey in house.building.storeys]
-    told = [str(one) for extra in extras for one in extra.get("warnings", ())]
-    return (*house.building.warnings, *told)
 
 
 def open(path: FilePath) -> House:

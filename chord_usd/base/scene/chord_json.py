@@ -378,10 +378,12 @@ def write_plan(plan: Plan, path: Path) -> None:
 
 
 def write_scene(graph: SceneGraph, path: Path) -> None:
-    """Write a scene graph as CHOrD JSON, whole or not at all, without absolute paths.
+    """Write a scene graph as CHOrD JSON, whole or not at all. Raises OutputError."""
+    write_atomic(path, json_text(portable_scene(graph, path)))
 
-    Raises OutputError.
-    """
+
+def portable_scene(graph: SceneGraph, path: Path) -> dict[str, Any]:
+    """As scene_to_json, for a file at path, without absolute paths."""
     data, home = scene_to_json(graph), destination(path.parent)
     due = [*data["furniture"], *data.get("dressing", ())]
     while due:
@@ -390,7 +392,7 @@ def write_scene(graph: SceneGraph, path: Path) -> None:
         if "asset" in element:
             named = Path(element["asset"]["usdPath"])
             element["asset"]["usdPath"] = portable(named, home).as_posix()
-    write_atomic(path, json_text(data))
+    return data
 
 
 def plan_to_json(plan: Plan) -> dict[str, Any]:

@@ -11,14 +11,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, get_args
 
 from chord_usd.base.errors import PlanError
-from chord_usd.base.scene.chord_json import box_to_json, plan_from_json, plan_to_json, read_box
+from chord_usd.base.runtime.files import write_atomic
+from chord_usd.base.scene.chord_json import (
+    box_to_json,
+    json_text,
+    plan_from_json,
+    plan_to_json,
+    portable_scene,
+    read_box,
+    write_scene,
+)
 from chord_usd.base.scene.json_elements import Element
 from chord_usd.base.scene.limits import MOST_STAIRS, MOST_STOREYS
 from chord_usd.base.scene.stair_elements import Leads, Stair, StairForm, Turn
-from chord_usd.base.scene.types import Plan
+from chord_usd.base.scene.types import Plan, SceneGraph
 from chord_usd.base.scene.units import cm_from_m, m_from_cm
 
 STAIRS = "stairs"
@@ -26,6 +36,20 @@ STAIRS = "stairs"
 
 STOREYS = "storeys"
 _NAME, _SHIFT = "name", "shift"
+
+
+def write_storeys(graphs: Sequence[SceneGraph], names: Sequence[str], path: Path) -> None:
+    """Write the storeys of a house as CHOrD JSON, the lowest first; of one, its scene graph.
+
+    Raises OutputError.
+    """
+    if len(graphs) == 1:
+        return write_scene(graphs[0], path)
+    rows = [
+        {_NAME: name, **portable_scene(graph, path)}
+        for name, graph in zip(names, graphs, strict=True)
+    ]
+    write_atomic(path, json_text({STOREYS: rows}))
 
 
 @dataclass(frozen=True, eq=False)

@@ -150,11 +150,18 @@ def _plan_file(unit: Unit, folder: Path) -> Path:
 
 def _write_rasters(house: House, folder: Path) -> None:
     from chord_usd.base.raster.raster_files import write_raster
-    from chord_usd.base.scene.chord_json import write_scene
+    from chord_usd.base.scene.json_stairs import write_storeys
 
-    write_raster(house.plan_image, folder / PLAN_FILE)
-    write_raster(house.layout, folder / LAYOUT_FILE)
-    write_scene(_with_own_assets(house.graph), folder / SCENE_FILE)
+    for made in house.storeys:
+        for image, name in ((made.plan_image, PLAN_FILE), (made.layout, LAYOUT_FILE)):
+            write_raster(image, folder / storey_file(name, made.storey.index))
+    graphs = [_with_own_assets(graph) for graph in house.graphs]
+    write_storeys(graphs, [made.storey.name for made in house.storeys], folder / SCENE_FILE)
+
+
+def storey_file(name: str, index: int) -> str:
+    """The file of a storey: above the lowest, with the storey's number behind the name."""
+    return f"{Path(name).stem}_{index}{Path(name).suffix}" if index else name
 
 
 def _with_own_assets(graph: SceneGraph) -> SceneGraph:
@@ -177,16 +184,17 @@ _SHARES = ("walkable", "reachable_rooms", "por", "piou", "complete", "right")
 
 def _told(unit: Unit, house: House, report: Report) -> dict[str, Any]:
     """Figures for the index."""
-    items = house.graph.items
+    graphs = house.graphs
+    items = [item for graph in graphs for item in graph.items]
     return {
         "plan": unit.source,
         "seed": unit.seed,
-        "rooms": len(house.graph.rooms),
+        "rooms": sum(len(graph.rooms) for graph in graphs),
         "furniture": len(items),
         "items": len(items) + sum(len(item.children) for item in items),
-        "dressing": len(house.graph.dressing),
-        "openings": len(house.graph.openings),
-        "m_per_px": house.plan_image.frame.m_per_px,
+        "dressing": sum(len(graph.dressing) for graph in graphs),
+        "openings": sum(len(graph.openings) for graph in graphs),
+        "m_per_px": house.ground.plan_image.frame.m_per_px,
         "holds": report.holds,
         "errors": len(report.errors),
         "collisions": len(report.collisions),
@@ -195,5 +203,5 @@ def _told(unit: Unit, house: House, report: Report) -> dict[str, Any]:
         "unsupported": len(report.unsupported),
         "empty_rooms": len(report.empty_rooms),
         **{key: getattr(report, key) for key in _SHARES},
-        "warnings": list(house.plan.extra.get("warnings", ())),
+        "warnings": list(house.warnings),
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,13 +19,13 @@ from chord_usd.faces.commands.common import (
     add_view,
     stopwatch,
 )
-from chord_usd.faces.commands.generate_storeys import run_storeys, storeys_given
 from chord_usd.faces.commands.house_options import add_options, settings_of
 from chord_usd.faces.commands.paths import output_file, output_folder
 from chord_usd.faces.commands.planned import add_sources, plan_source, planned_report, without_scale
 
 if TYPE_CHECKING:
-    from chord_usd.line.pipeline import House
+    from chord_usd.base.runtime.files import Delivery
+    from chord_usd.line.pipeline.whole_house import FurnishedStorey, House
 
 
 def add(verbs: Verbs) -> None:
@@ -84,36 +85,17 @@ def run(options: argparse.Namespace) -> Outcome:
         )  # fmt: skip
     require(settings)
     watch = stopwatch(options)
-    if options.plan:
-        storeys = storeys_given(options, settings, watch)
-        if storeys:
-            return run_storeys(options, storeys, settings, watch)
-    options.plan = options.plan[0] if options.plan else None
-    with plan_source(options, settings, watch) as (plan_file, planned), deliver() as delivery:
-        stage_path = delivery.place(options.output)
-        extras = {
-            kind: delivery.place(path)
-            for kind, path in (
-                ("layout", options.layout_out),
-                ("graph", options.graph_out),
-                ("preview", options.preview),
-                ("view", options.view),
-            )
-            if path
-        }
+    with plan_source(options, settings, watch) as (plans, planned), deliver() as delivery:
+        stage = delivery.place(options.output)
         settings = without_scale(settings) if planned else settings
-        house = generate(plan_file, stage_path, settings, watch)
-        _write_extras(house, extras)
+        house = generate(plans, stage, settings, watch, every=options.storeys)
+        _write_extras(house, options, delivery)
         if options.view:
             from chord_usd.line.stage.export.gltf import write_view
 
             with watch.step("view"):
-                write_view(stage_path, extras["view"])
-        if options.keep:
-            from chord_usd.faces.commands.kept import write_kept
-
-            write_kept(house, delivery.place_folder(options.keep))
-        report = None if options.no_check else certified(stage_path, watch)
+                write_view(stage, delivery.place(options.view))
+        report = None if options.no_check else certified(stage, watch)
     data = _summary(house, options.output, watch.seconds, report)
     if planned:
         data["planned"] = planned_report(planned)
@@ -121,19 +103,33 @@ def run(options: argparse.Namespace) -> Outcome:
     return Outcome(_text(data), data, holds(report), data["warnings"])
 
 
-def _write_extras(house: House, paths: dict[str, Path]) -> None:
-    if "layout" in paths:
+def _write_extras(house: House, options: argparse.Namespace, delivery: Delivery) -> None:
+    """Layouts, scene graph, preview and artefacts of steps, where an option names a place."""
+    if options.layout_out:
         from chord_usd.base.raster.raster_files import write_raster
 
-        write_raster(house.layout, paths["layout"])
-    if "graph" in paths:
-        from chord_usd.base.scene.chord_json import write_scene
+        for made, path in _numbered(house, options.layout_out):
+            write_raster(made.layout, delivery.place(path))
+    if options.graph_out:
+        from chord_usd.base.scene.json_stairs import write_storeys
 
-        write_scene(house.graph, paths["graph"])
-    if "preview" in paths:
-        from chord_usd.line.image.preview import draw_preview
+        names = [made.storey.name for made in house.storeys]
+        write_storeys(house.graphs, names, delivery.place(options.graph_out))
+    if options.preview:
+        from chord_usd.line.image.preview import draw_storeys
 
-        draw_preview(house.graph, paths["preview"])
+        draw_storeys(house.graphs, delivery.place(options.preview))
+    if options.keep:
+        from chord_usd.faces.commands.kept import write_kept
+
+        write_kept(house.storeys, delivery.place_folder(options.keep))
+
+
+def _numbered(house: House, path: Path) -> Iterator[tuple[FurnishedStorey, Path]]:
+    """A file for each storey: of several, with the number of the storey behind the name."""
+    for made in house.storeys:
+        number = f"_{made.storey.index}" if len(house.storeys) > 1 else ""
+        yield made, path.with_name(f"{path.stem}{number}{path.suffix}")
 
 
 def _summary(
@@ -141,37 +137,60 @@ def _summary(
 ) -> dict[str, Any]:
     from chord_usd.line.arrange.rules import edits_told
 
-    furniture = len(house.graph.items)
-    tabletop = sum(len(item.children) for item in house.graph.items)
+    graphs, storeys = house.graphs, house.storeys
+    furniture = sum(len(graph.items) for graph in graphs)
+    tabletop = sum(len(item.children) for graph in graphs for item in graph.items)
     return {
         "stage": str(stage),
-        "style": house.graph.style,
-        "rooms": len(house.graph.rooms),
+        "style": house.ground.style.name,
+        "rooms": sum(len(graph.rooms) for graph in graphs),
         "furniture": furniture,
         "items": furniture + tabletop,
-        "tabletop": _tabletop(house, tabletop),
-        "dressing": len(house.graph.dressing),
-        "openings": len(house.graph.openings),
-        "redrawn": list(house.redrawn),
-        "left_out": list(house.left_out),
-        "edits": edits_told(house.graph),
+        "tabletop": _tabletop(storeys, tabletop),
+        "dressing": sum(len(graph.dressing) for graph in graphs),
+        "openings": sum(len(graph.openings) for graph in graphs),
+        "redrawn": [room for made in storeys for room in made.redrawn],
+        "left_out": [item for made in storeys for item in made.left_out],
+        "edits": [edit for graph in graphs for edit in edits_told(graph)],
         "seconds": seconds,
-        "m_per_px": house.plan_image.frame.m_per_px,
-        "scale": house.plan.extra.get("scale"),
+        "m_per_px": house.ground.plan_image.frame.m_per_px,
+        "scale": house.ground.plan.extra.get("scale"),
+        "storeys": [_storey(made) for made in storeys],
+        "stairs": [
+            {"form": climb.built.stair.form, "rise_m": round(climb.built.rise_m, 3),
+             "going_m": round(climb.built.going_m, 3), "from": climb.foot.joined,
+             "to": climb.top.joined}
+            for climb in house.building.climbs
+        ],
         "certificate": check,
-        "warnings": list(house.plan.extra.get("warnings", ())),
+        "warnings": list(house.warnings),
+    }  # fmt: skip
+
+
+def _storey(made: FurnishedStorey) -> dict[str, Any]:
+    """What a storey holds, and how it was registered to the storey below."""
+    registered = made.storey.registration
+    return {
+        "name": made.storey.name,
+        "elevation_m": made.storey.elevation_m,
+        "rooms": len(made.graph.rooms),
+        "furniture": len(made.graph.items),
+        "registered_by": registered.by if registered else None,
+        "shift_m": list(registered.shift_m) if registered else [0.0, 0.0],
+        "on_walls": registered.on_walls if registered else None,
+        "residual_m": registered.residual_m if registered else None,
     }
 
 
-def _tabletop(house: House, items: int) -> dict[str, Any]:
-    """How many pieces were laid with how much, and which were left empty, by node id."""
-    tables = house.tabletops
+def _tabletop(storeys: Sequence[FurnishedStorey], items: int) -> dict[str, Any]:
+    """Counts of pieces with objects and of objects; empty pieces by node id."""
+    tables = [made.tabletops for made in storeys if made.tabletops]
     return {
-        "pieces": len(tables.laid) + len(tables.too_small) if tables else 0,
+        "pieces": sum(len(top.laid) + len(top.too_small) for top in tables),
         "items": items,
-        "too_small": list(tables.too_small) if tables else [],
-        "bare": list(tables.bare) if tables else [],
-        "left_out": tables.left_out if tables else 0,
+        "too_small": [item for top in tables for item in top.too_small],
+        "bare": [item for top in tables for item in top.bare],
+        "left_out": sum(top.left_out for top in tables),
     }
 
 
@@ -179,9 +198,20 @@ def _text(data: dict[str, Any]) -> str:
     carried = data["tabletop"]["items"]
     small = f" and {counted(carried, 'item')} on them" if carried else ""
     dressed = f", dressed with {counted(data['dressing'], 'thing')}" if data["dressing"] else ""
-    return reported(
-        data["certificate"],
-        f"{data['stage']}: {counted_rooms(data)}{small}{dressed}, "
-        f"{counted(data['openings'], 'opening')}, "
-        f"in {sum(data['seconds'].values()):.1f} s",
-    )
+    several = f"{counted(len(data['storeys']), 'storey')}, " if len(data["storeys"]) > 1 else ""
+    lines = [
+        f"{data['stage']}: {several}{counted_rooms(data)}{small}{dressed}, "
+        f"{counted(data['openings'], 'opening')}, in {sum(data['seconds'].values()):.1f} s"
+    ]
+    lines += [
+        f"  {storey['name']}: registered to the storey below by its {storey['registered_by']}, "
+        f"{storey['on_walls']:.0%} of its outer walls on walls, "
+        f"{storey['residual_m'] * 100:.1f} cm off"
+        for storey in data["storeys"][1:]
+    ]
+    lines += [
+        f"  {stair['form']} stair, rise {stair['rise_m'] * 100:.1f} cm, going "
+        f"{stair['going_m'] * 100:.1f} cm, from {stair['from']} to {stair['to']}"
+        for stair in data["stairs"]
+    ]
+    return reported(data["certificate"], *lines)

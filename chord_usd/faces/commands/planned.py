@@ -126,30 +126,42 @@ def planned_report(planned: Planned) -> dict[str, Any]:
 @contextmanager
 def plan_source(
     options: argparse.Namespace, settings: Settings, watch: Stopwatch
-) -> Iterator[tuple[Path, Planned | None]]:
-    """generate's plan file: the one given, or one that was planned and is gone afterwards.
+) -> Iterator[tuple[list[Path], Planned | None]]:
+    """generate's plan files: those given, or one that was planned and is gone afterwards.
 
-    Raises UsageError where none or several are given, ChordError where none can be planned.
+    Raises UsageError where none or several kinds are given, ChordError where none can be planned.
     """
     from chord_usd.base.runtime.scratch import scratch_folder
     from chord_usd.base.scene.chord_json import write_plan
 
     wanted = bool(options.text) or options.outline is not None
-    if wanted == (options.plan is not None):
-        raise UsageError(
-            "one plan is needed" if not wanted else "there are two plans",
-            where="PLAN, --text, --outline",
-            expected="a plan file, or a text, or an open plan, with a text or without",
-        )
-    if not wanted:
-        yield existing_file(options.plan), None
+    if options.plan:
+        _refuse_two_plans(options)
+        yield [existing_file(plan) for plan in options.plan], None
         return
+    if not wanted:
+        raise UsageError(
+            "one plan is needed", where="PLAN, --text, --outline",
+            expected="a plan file, or a text, or an open plan, with a text or without",
+        )  # fmt: skip
     outline = existing_file(options.outline) if options.outline else None
     planned = _planned(options.text, outline, settings, watch)
     with scratch_folder() as folder:
         path = folder / "planned.json"
         write_plan(planned.plan, path)
-        yield path, planned
+        yield [path], planned
+
+
+def _refuse_two_plans(options: argparse.Namespace) -> None:
+    for name in ("text", "outline"):
+        if not getattr(options, name):
+            continue
+        if len(options.plan) > 1 or options.storeys:
+            raise UsageError("is for one plan, and there are several storeys", where=f"--{name}")
+        raise UsageError(
+            "there are two plans", where="PLAN, --text, --outline",
+            expected="a plan file, or a text, or an open plan, with a text or without",
+        )  # fmt: skip
 
 
 def without_scale(settings: Settings) -> Settings:

@@ -1,51 +1,291 @@
-"""Plans of storeys -> one furnished stage: each furnished as generate does, joined by stairs."""
+"""The line of the paper's figure 2: floor plans, the storeys of a house, become a furnished stage.
+
+plan file -> Plan -> PlanImage -> LayoutImage -> SceneGraph -> StageFile
+
+STEPS is the table of contents: each storey goes through it, the lowest first.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.json_text import parse_json
-from chord_usd.base.runtime.progress import Stopwatch
+from chord_usd.base.runtime.progress import Progress, Stopwatch
+from chord_usd.base.scene.estimates import Estimate, of_furnishing, of_stage
 from chord_usd.base.scene.json_stairs import StoreyPlan, is_storeys, storeys_from_json
 from chord_usd.base.scene.limits import MOST_JSON_BYTES, SEEDS
 from chord_usd.base.scene.settings import Settings
 from chord_usd.base.scene.stair_cells import is_cell
-from chord_usd.base.scene.storeys import Building, Storey, stack
-from chord_usd.base.scene.styles import MIXED, style_named
-from chord_usd.base.scene.types import PlanImage, StageFile
-from chord_usd.line.pipeline import (
-    Furnished,
-    draw_plan,
-    furnish,
-    load_usd,
-    read_plan,
-    refuse_roof,
-    refuse_shut,
-    sampling,
-)
-from chord_usd.line.pipeline.loading import Models, load_models
+from chord_usd.base.scene.storeys import Building, Storey, stack, storey_title
+from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
+from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph, StageFile
+from chord_usd.line.pipeline import steps
+from chord_usd.line.pipeline.loading import Models, load_models, with_networks
+from chord_usd.line.pipeline.redraw import Draw, Mended, arrange_drawn, mend_rooms
 
 if TYPE_CHECKING:
+    from chord_usd.line.graph.tabletop import Tabletops
     from chord_usd.line.lists.wishes import Asked
 
 _SEEDS_APART = 7919
 """Between the seeds of storeys."""
 
 
+@dataclass(eq=False)
+class FurnishedStorey:
+    """A storey on its way through STEPS, and at their end."""
+
+    storey: Storey
+    file: Path
+    """The plan was read from it: provenance notes its hash."""
+    plan_image: PlanImage
+    settings: Settings
+    models: Models
+    draw: Draw
+    style: HomeStyle
+    graph: SceneGraph
+    """Without furniture at first; with objects on tables and dressing at the end."""
+    layout: LayoutImage
+    """Of the last sample; the plan's raster at first."""
+    first_graph: SceneGraph
+    first_layout: LayoutImage
+    """Before rooms with faults are sampled again."""
+    listed: SceneGraph | None = None
+    """The pieces of lists; None without lists."""
+    mended: Mended | None = None
+    tabletops: Tabletops | None = None
+
+    @property
+    def plan(self) -> Plan:
+        """The plan, in the frame of the house."""
+        return self.storey.plan
+
+    @property
+    def redrawn(self) -> tuple[str, ...]:
+        """Ids of the rooms whose furniture is that of a later sample."""
+        return self.mended.rooms if self.mended else ()
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Ids of pieces of the layout that are not built: they overlap or block openings."""
+        if self.mended is None:
+            return ()
+        built = {item.id for item in self.graph.items}
+        later = (item.id for item in self.mended.graph.items if item.id not in built)
+        return (*self.mended.left_out, *later)
+
+
 @dataclass(frozen=True, eq=False)
-class StoreyHouse:
-    """Every artefact of a house of storeys."""
+class House:
+    """Every artefact of one run."""
 
     building: Building
-    plan_images: tuple[PlanImage, ...]
-    furnished: tuple[Furnished, ...]
-    """Storey by storey, the lowest first."""
+    storeys: tuple[FurnishedStorey, ...]
+    """The lowest first."""
     stage: StageFile
+
+    @property
+    def ground(self) -> FurnishedStorey:
+        """The lowest storey."""
+        return self.storeys[0]
+
+    @property
+    def graphs(self) -> tuple[SceneGraph, ...]:
+        """Of all storeys, the lowest first."""
+        return tuple(made.graph for made in self.storeys)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Of the stack of storeys and of their plans, each once."""
+        read = (w for made in self.storeys for w in made.plan.extra.get("warnings", ()))
+        return tuple(dict.fromkeys((*self.building.warnings, *map(str, read))))
+
+
+def generate(
+    plans: Path | Sequence[Path],
+    stage_path: Path,
+    settings: Settings | None = None,
+    stopwatch: Stopwatch | None = None,
+    models: Models | None = None,
+    *,
+    every: bool = False,
+) -> House:
+    """Furnish plans, the storeys of a house, the lowest first, and write the stage.
+
+    Args:
+        plans: files: pictures, vector files or CHOrD JSON, of a storey or of several.
+        models: those of earlier houses with the same settings, but for the seed; by default they
+            are loaded.
+        stopwatch: times plan, load, STEPS and stage.
+        every: take all storeys that a file shows.
+
+    Raises ChordError.
+    """
+    settings, watch = settings or Settings(), stopwatch or Stopwatch()
+    # Plans are read before networks are loaded: an invalid picture is reported within a second.
+    with watch.step("plan"):
+        files = [plans] if isinstance(plans, Path) else list(plans)
+        building = stack(read_storeys(files, settings, every=every))
+        files = [files[min(storey.index, len(files) - 1)] for storey in building.storeys]
+        images = _checked(building, files, settings, watch)
+        asked = _asked(building, settings)
+    style = style_named(settings.style or MIXED, settings.seed)
+    with watch.step("load"):
+        models = (models or load_models(settings)).in_style(style.name)
+        steps.load_usd()
+    storeys = []
+    for storey, file, image in zip(building.storeys, files, images, strict=True):
+        made = _begun(storey, file, image, settings, models, style, asked)
+        for name, step in STEPS.items():
+            with watch.step(name) as progress:
+                step(made, progress)
+        storeys.append(made)
+    with watch.step("stage"):
+        stage = _write(building, storeys, stage_path, settings, style)
+    return House(building, tuple(storeys), stage)
+
+
+def list_pieces(made: FurnishedStorey, _: Progress) -> None:
+    """List the pieces of each room, the draft that the painter sees."""
+    made.listed = made.draw.listed(made.graph, made.plan.rooms)
+
+
+def paint(made: FurnishedStorey, progress: Progress) -> None:
+    """Sample the layout."""
+    model, settings = made.models.layout, made.settings
+    made.layout = made.first_layout = steps.draw_layout(
+        made.plan, made.plan_image, model, made.file, settings, made.listed, progress
+    )
+
+
+def read(made: FurnishedStorey, _: Progress) -> None:
+    """Read the layout as a scene graph, arranged by rules, with meshes."""
+    graph = made.models.reader.read(made.layout, made.plan)
+    made.graph = made.first_graph = made.draw.heeded(graph, made.listed)
+
+
+def redraw(made: FurnishedStorey, progress: Progress) -> None:
+    """Sample rooms with faults again, and keep the better sample."""
+    from chord_usd.line.graph.match import match_assets
+
+    settings, draw, models = made.settings, made.draw, made.models
+    leave_out = partial(arrange_drawn, draw=draw) if settings.arrange else None
+    made.mended = mend_rooms(
+        made.graph, made.layout, made.plan_image, models.layout, models.reader.read, draw,
+        times=settings.redraws, settle=leave_out, progress=progress,
+    )  # fmt: skip
+    database = models.reader.database
+    graph, made.layout = match_assets(made.mended.graph, database), made.mended.layout
+    if settings.arrange:
+        graph = match_assets(arrange_drawn(graph, draw), database)
+    draw.refuse_lacking(graph)
+    made.graph = steps.in_style(with_networks(graph, settings), made.style)
+
+
+def score_outliers(made: FurnishedStorey, _: Progress) -> None:
+    """Give each item its out-of-distribution score."""
+    made.graph = steps.score_outliers(made.graph, made.plan_image, made.models.layout)
+
+
+def lay_tables(made: FurnishedStorey, progress: Progress) -> None:
+    """Lay objects on pieces with tops."""
+    models = made.models
+    if models.table:
+        made.tabletops = steps.lay_tables(
+            made.graph, models.table, models.reader.database, made.settings, progress
+        )
+        made.graph = made.tabletops.graph
+
+
+def settle(made: FurnishedStorey, _: Progress) -> None:
+    """Apply the rules that need meshes."""
+    made.graph = steps.settle(made.graph, made.settings)
+
+
+def dress(made: FurnishedStorey, _: Progress) -> None:
+    """Dress rooms; those of stairs stay bare."""
+    if made.settings.dressing:
+        shut = made.draw.shut
+        rooms = [room.id for room in made.plan.rooms if room.id not in shut] if shut else ()
+        database = made.models.reader.database
+        made.graph = steps.dress_rooms(made.graph, database, made.settings, rooms)
+
+
+STEPS: Mapping[str, Callable[[FurnishedStorey, Progress], None]] = {
+    "list": list_pieces,
+    "layout": paint,
+    "graph": read,
+    "redraw": redraw,
+    "outliers": score_outliers,
+    "tabletop": lay_tables,
+    "settle": settle,
+    "dress": dress,
+}
+"""The steps from a plan to a scene graph that is ready to be written."""
+
+
+def _checked(
+    building: Building, files: Sequence[Path], settings: Settings, watch: Stopwatch
+) -> list[PlanImage]:
+    """Rasters of the storeys. Raises ChordError for a house that cannot be made."""
+    images, estimate = [], Estimate(0.0, 0)
+    for storey, file in zip(building.storeys, files, strict=True):
+        steps.refuse_shut(storey.plan, file)
+        images.append(steps.draw_plan(storey.plan))
+        estimate += of_furnishing(storey.plan, images[-1]) + of_stage(storey.plan.scene())
+    steps.refuse_roof(building.storeys[-1].plan, settings)
+    estimate.require_memory(str(files[0]))
+    watch.announce(estimate.said())
+    return images
+
+
+def _begun(
+    storey: Storey, file: Path, image: PlanImage, settings: Settings, models: Models,
+    style: HomeStyle, asked: Mapping[str, Asked],
+) -> FurnishedStorey:  # fmt: skip
+    """A storey before STEPS, with its part of the requests and a seed apart from the others."""
+    from chord_usd.base.raster.canvas import layout_image
+
+    local = replace(settings, seed=(settings.seed + _SEEDS_APART * storey.index) % (SEEDS[1] + 1))
+    ids = {room.id for room in storey.plan.rooms}
+    wishes = {room_id: wish for room_id, wish in asked.items() if room_id in ids}
+    cells = frozenset(room.id for room in storey.plan.rooms if is_cell(room))
+    draw = replace(steps.sampling(local, models.lists, wishes), shut=cells)
+    graph, bare = storey.plan.scene(), layout_image(image, ())
+    return FurnishedStorey(
+        storey, file, image, local, models, draw, style, graph, bare, graph, bare
+    )
+
+
+def _asked(building: Building, settings: Settings) -> dict[str, Asked]:
+    """Required and excluded pieces of rooms on all storeys, by id. Raises ChordError."""
+    if not settings.furniture:
+        return {}
+    from chord_usd.line.lists.wishes import furniture_asked, read_furniture
+    from chord_usd.line.stage.author.stage_levels import levels_of
+
+    levels = levels_of(building, [storey.plan.scene() for storey in building.storeys])
+    rooms = {named.name: named.room for level in levels for named in level.rooms}
+    return furniture_asked(read_furniture(settings.furniture), rooms)
+
+
+def _write(
+    building: Building,
+    storeys: Sequence[FurnishedStorey],
+    stage_path: Path,
+    settings: Settings,
+    style: HomeStyle,
+) -> StageFile:
+    from chord_usd.line.stage.author.stage_levels import levels_of
+
+    levels = levels_of(building, [made.graph for made in storeys])
+    return steps.write_levels(levels, stage_path, settings, style)
 
 
 def read_storeys(
@@ -54,31 +294,31 @@ def read_storeys(
     """The storeys in these files, the lowest first: a plan each, or a JSON that holds several.
 
     every: whether of each file all storeys are taken that it shows. Of the settings, rooms name
-    their storey, too (corrections.on_storeys).
-
-    Raises PlanError.
+    their storey, too, where there are several (corrections.on_storeys). Raises PlanError.
     """
-    found: list[StoreyPlan] = []
-    said, settings = settings.rooms, replace(settings, rooms="")
-    for file in files:
-        held = storeys_in(file)
-        if every and not held:
-            from chord_usd.line.plan.read import read_storey_plans
-
-            found += read_storey_plans(file, settings.m_per_px)
+    held = [storeys_in(file) for file in files]
+    if len(files) == 1 and not every and not held[0]:
+        return (StoreyPlan(steps.read_plan(files[0], settings)),)
+    if not files:
+        raise PlanError("no plan was given", where="plan", expected="a file, or several")
+    bare, storeys = replace(settings, rooms=""), list[StoreyPlan]()
+    for file, several in zip(files, held, strict=True):
+        if several or not every:
+            storeys += several or [StoreyPlan(steps.read_plan(file, bare))]
             continue
-        found += held or [StoreyPlan(read_plan(file, settings))]
-    return _corrected(found, said) if said else tuple(found)
+        from chord_usd.line.plan.read import read_storey_plans
+
+        storeys += read_storey_plans(file, settings.m_per_px)
+    return _corrected(storeys, settings.rooms) if settings.rooms else tuple(storeys)
 
 
 def _corrected(storeys: Sequence[StoreyPlan], said: str) -> tuple[StoreyPlan, ...]:
-    from chord_usd.base.scene.storeys import storey_title
     from chord_usd.line.plan.corrections import on_storeys, read_rooms, with_rooms
 
-    names = [one.name or storey_title(index) for index, one in enumerate(storeys)]
+    names = [storey.name or storey_title(index) for index, storey in enumerate(storeys)]
     return tuple(
-        replace(storey, plan=with_rooms(storey.plan, own)) if own else storey
-        for storey, own in zip(storeys, on_storeys(read_rooms(said), names), strict=True)
+        replace(storey, plan=with_rooms(storey.plan, rooms)) if rooms else storey
+        for storey, rooms in zip(storeys, on_storeys(read_rooms(said), names), strict=True)
     )
 
 
@@ -89,80 +329,3 @@ def storeys_in(file: Path) -> tuple[StoreyPlan, ...]:
     refuse_odd_file(file, PlanError, MOST_JSON_BYTES)
     data = parse_json(file.read_bytes(), str(file), PlanError)
     return storeys_from_json(data, str(file)) if is_storeys(data) else ()
-
-
-def generate_storeys(
-    given: Sequence[StoreyPlan],
-    files: Sequence[Path],
-    stage_path: Path,
-    settings: Settings | None = None,
-    stopwatch: Stopwatch | None = None,
-    models: Models | None = None,
-) -> StoreyHouse:
-    """Furnish storeys and write them as one stage, the lowest first.
-
-    files: what they were read from, one for all or one each. Everything else is as generate has
-    it. Raises ChordError.
-    """
-    settings, watch = settings or Settings(), stopwatch or Stopwatch()
-    with watch.step("plan"):
-        building = stack(given)
-        own_files = [files[min(one.index, len(files) - 1)] for one in building.storeys]
-        for storey, file in zip(building.storeys, own_files, strict=True):
-            refuse_shut(storey.plan, file)
-        refuse_roof(building.storeys[-1].plan, settings)
-        images = [draw_plan(storey.plan) for storey in building.storeys]
-        asked = _asked(building, settings)
-    style = style_named(settings.style or MIXED, settings.seed)
-    with watch.step("load"):
-        models = (models or load_models(settings)).in_style(style.name)
-        load_usd()
-    made = []
-    for storey, image, file in zip(building.storeys, images, own_files, strict=True):
-        own = replace(settings, seed=_seed(settings.seed, storey.index))
-        ids = {room.id for room in storey.plan.rooms}
-        wishes = {room_id: one for room_id, one in asked.items() if room_id in ids}
-        draw = replace(sampling(own, models.lists, wishes), shut=_cells(storey))
-        made.append(furnish(storey.plan, image, file, models, own, draw, style, watch))
-    with watch.step("stage"):
-        stage = _write(building, made, stage_path, settings, style.name)
-    return StoreyHouse(building, tuple(images), tuple(made), stage)
-
-
-def _seed(seed: int, index: int) -> int:
-    return (seed + _SEEDS_APART * index) % (SEEDS[1] + 1)
-
-
-def _cells(storey: Storey) -> frozenset[str]:
-    return frozenset(room.id for room in storey.plan.rooms if is_cell(room))
-
-
-def _asked(building: Building, settings: Settings) -> dict[str, Asked]:
-    """What rooms of all storeys shall hold, by their ids. Raises ChordError."""
-    if not settings.furniture:
-        return {}
-    from chord_usd.line.lists.wishes import furniture_asked, read_furniture
-    from chord_usd.line.stage.author.stage_levels import levels_of
-
-    graphs = [storey.plan.scene() for storey in building.storeys]
-    rooms = {named.name: named.room for one in levels_of(building, graphs) for named in one.rooms}
-    return furniture_asked(read_furniture(settings.furniture), rooms)
-
-
-def _write(
-    building: Building,
-    made: Sequence[Furnished],
-    stage_path: Path,
-    settings: Settings,
-    style: str,
-) -> StageFile:
-    from chord_usd.library.looks.look_library import style_looks
-    from chord_usd.line.stage.author.author_stage import author_levels
-    from chord_usd.line.stage.author.stage_levels import levels_of
-
-    levels = levels_of(building, [one.graph for one in made])
-    looks = style_looks(style_named(style, settings.seed), settings.seed, settings.texture_px)
-    return author_levels(
-        levels, stage_path, seed=settings.seed, looks=looks, style=style, sky=settings.sky,
-        articulation=settings.articulation, roof=settings.roof,
-    )  # fmt: skip
