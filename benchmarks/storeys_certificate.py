@@ -22,7 +22,8 @@ from typing import Any, get_args
 
 import numpy as np
 
-from chord_usd.base.scene.chord_json import json_text, write_plan
+from chord_usd.base.runtime.json_text import json_text
+from chord_usd.base.scene.chord_json import write_plan
 from chord_usd.base.scene.json_stairs import storeys_to_json
 from chord_usd.base.scene.stair_elements import StairForm
 from chord_usd.line import pipeline

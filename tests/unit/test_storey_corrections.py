@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chord_usd.base.errors import ChordError
-from chord_usd.base.scene.chord_json import json_text
+from chord_usd.base.runtime.json_text import json_text
 from chord_usd.base.scene.json_stairs import storeys_to_json
 from chord_usd.line.pipeline import Settings
 from chord_usd.line.pipeline.whole_house import read_storeys

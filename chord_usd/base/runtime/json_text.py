@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import json
 import math
+import re
+from collections.abc import Mapping
 from typing import Any
 
 from chord_usd.base.errors import ChordError
@@ -108,3 +110,14 @@ def _refuse_half_characters(text: str) -> None:
             f"holds half a character (a lone surrogate) in a text of {len(text)} characters",
             "Unicode",
         ) from problem
+
+
+def json_text(data: Mapping[str, Any]) -> str:
+    """Indented JSON with points on one line; the same data gives the same text."""
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    # Raw line breaks never occur inside JSON texts, so only lists of numbers can match.
+    return re.sub(r"\[\n\s*([-+.\deE,\s]+?)\s*\]", _on_one_line, text) + "\n"
+
+
+def _on_one_line(match: re.Match[str]) -> str:
+    return "[" + ", ".join(part.strip() for part in match[1].split(",")) + "]"

@@ -21,8 +21,6 @@ the file, the element and the key.
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -35,7 +33,7 @@ from shapely import LinearRing, Point, Polygon
 from chord_usd.base.errors import ChordError, PlanError, SceneError, reason_of
 from chord_usd.base.runtime.files import destination, write_atomic
 from chord_usd.base.runtime.inputs import refuse_odd_file
-from chord_usd.base.runtime.json_text import parse_json
+from chord_usd.base.runtime.json_text import json_text, parse_json
 from chord_usd.base.runtime.locations import portable
 from chord_usd.base.scene.geometry import Floors, extent_m, footprint_polygon, rooms_beside
 from chord_usd.base.scene.json_categories import (
@@ -411,17 +409,6 @@ def scene_to_json(graph: SceneGraph) -> dict[str, Any]:
     if graph.provenance != Provenance():
         data["provenance"] = provenance_to_json(graph.provenance)
     return data
-
-
-def json_text(data: Mapping[str, Any]) -> str:
-    """Indented JSON with points on one line; the same data gives the same text."""
-    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
-    # Raw line breaks never occur inside JSON texts, so only lists of numbers can match.
-    return re.sub(r"\[\n\s*([-+.\deE,\s]+?)\s*\]", _on_one_line, text) + "\n"
-
-
-def _on_one_line(match: re.Match[str]) -> str:
-    return "[" + ", ".join(part.strip() for part in match[1].split(",")) + "]"
 
 
 def _shell_to_json(

@@ -16,9 +16,9 @@ from typing import Any, get_args
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.files import write_atomic
+from chord_usd.base.runtime.json_text import json_text
 from chord_usd.base.scene.chord_json import (
     box_to_json,
-    json_text,
     plan_from_json,
     plan_to_json,
     portable_scene,

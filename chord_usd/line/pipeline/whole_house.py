@@ -142,7 +142,7 @@ def generate(
     storeys = []
     for storey, file, image in zip(building.storeys, files, images, strict=True):
         made = _begun(storey, file, image, settings, models, style, asked)
-        for name, step in STEPS.items():
+        for name, step in _due(settings).items():
             with watch.step(name) as progress:
                 step(made, progress)
         storeys.append(made)
@@ -196,11 +196,11 @@ def score_outliers(made: FurnishedStorey, _: Progress) -> None:
 def lay_tables(made: FurnishedStorey, progress: Progress) -> None:
     """Lay objects on pieces with tops."""
     models = made.models
-    if models.table:
-        made.tabletops = steps.lay_tables(
-            made.graph, models.table, models.reader.database, made.settings, progress
-        )
-        made.graph = made.tabletops.graph
+    assert models.table is not None, "loaded where tables are laid"
+    made.tabletops = steps.lay_tables(
+        made.graph, models.table, models.reader.database, made.settings, progress
+    )
+    made.graph = made.tabletops.graph
 
 
 def settle(made: FurnishedStorey, _: Progress) -> None:
@@ -210,11 +210,10 @@ def settle(made: FurnishedStorey, _: Progress) -> None:
 
 def dress(made: FurnishedStorey, _: Progress) -> None:
     """Dress rooms; those of stairs stay bare."""
-    if made.settings.dressing:
-        shut = made.draw.shut
-        rooms = [room.id for room in made.plan.rooms if room.id not in shut] if shut else ()
-        database = made.models.reader.database
-        made.graph = steps.dress_rooms(made.graph, database, made.settings, rooms)
+    shut = made.draw.shut
+    rooms = [room.id for room in made.plan.rooms if room.id not in shut] if shut else ()
+    database = made.models.reader.database
+    made.graph = steps.dress_rooms(made.graph, database, made.settings, rooms)
 
 
 STEPS: Mapping[str, Callable[[FurnishedStorey, Progress], None]] = {
@@ -228,6 +227,12 @@ STEPS: Mapping[str, Callable[[FurnishedStorey, Progress], None]] = {
     "dress": dress,
 }
 """The steps from a plan to a scene graph that is ready to be written."""
+
+
+def _due(settings: Settings) -> Mapping[str, Callable[[FurnishedStorey, Progress], None]]:
+    """STEPS without those that the settings leave out."""
+    wanted = {"tabletop": settings.tabletop, "dress": settings.dressing}
+    return {name: step for name, step in STEPS.items() if wanted.get(name, True)}
 
 
 def _checked(
