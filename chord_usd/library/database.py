@@ -64,10 +64,12 @@ TAGS = {
     "dishwasher": "electrical cabinets of composed kitchens",
     "corner_left": "base cabinets whose left end another run of units hides",
     "corner_right": "base cabinets whose right end another run of units hides",
+    "beside_left": "base cabinets with a filler at their left end, beside another run of units",
+    "beside_right": "base cabinets with a filler at their right end, beside another run of units",
 }
 """What an asset can say beside its category, and what that means; `assets add` accepts these."""
 
-_VARIETIES = ("dishwasher", "corner_left", "corner_right")
+_VARIETIES = ("dishwasher", "corner_left", "corner_right", "beside_left", "beside_right")
 """Tags of units that are for one variety of a composed kitchen only (compose.cut.Variety)."""
 
 STRANGE_FORM_M = 0.3

@@ -6,7 +6,7 @@ as one kitchen. There is one form for each style of a home (kitchen_fronts.FORM_
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -124,21 +124,26 @@ def pull_out_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
     )
 
 
-def corner_cabinet(size_m: Size, *, form: _Form, hidden: int) -> tuple[Part, ...]:
-    """A base cabinet in the corner of two runs: one depth of it is hidden, a door opens the rest.
+def corner_cabinet(
+    size_m: Size, *, form: _Form, at: int, hidden_m: float = 0.0, columns: int = 1
+) -> tuple[Part, ...]:
+    """A base cabinet in or beside the corner of two runs.
 
-    hidden: 1 where that is at its right end (own x), -1 at its left one.
+    at: 1 where the corner is at its right end (own x), -1 at its left one. hidden_m: what stands
+    behind the other run there. A filler follows, so that fronts pass the handles of the other run.
     """
     length, width, _ = size_m
     y, tall = form.face_y(width), form.fronts_height(size_m)
-    blind = CORNER_M + CORNER_FILLER_M
-    whole = list(cells(length - blind, tall, 1, z_m=PLINTH_M + 0.002))
+    blind = hidden_m + CORNER_FILLER_M
+    face = list(cells(length - blind, tall, columns, z_m=PLINTH_M + 0.002))
+    if columns == 1 and at < 0:
+        face = [replace(cell, column=1) for cell in face]  # hung away from the corner
     filler = block((CORNER_FILLER_M + 0.002, FRONT_M, tall - 0.004), 0.0015).moved(
-        hidden * (length / 2 - CORNER_M - CORNER_FILLER_M / 2), y - FRONT_M / 2, PLINTH_M + 0.004
+        at * (length / 2 - hidden_m - CORNER_FILLER_M / 2), y - FRONT_M / 2, PLINTH_M + 0.004
     )
     return (
         *form.body(size_m),
-        *kitchen_fronts(shifted(whole, -hidden * blind / 2), y, form.fronts),
+        *kitchen_fronts(shifted(face, -at * blind / 2), y, form.fronts),
         Part("Filler", filler, "front", collider=None),
         form.worktop(size_m),
     )

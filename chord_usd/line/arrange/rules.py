@@ -14,7 +14,6 @@ from typing import Literal
 import numpy as np
 
 from chord_usd.base.scene.oriented_rect import Footprint
-from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import Box, Edit, Item, SceneGraph
 from chord_usd.line.arrange.arrangement import Arrangement
 from chord_usd.line.arrange.chairs_clear import draw_out_chairs
@@ -27,10 +26,8 @@ from chord_usd.line.arrange.moved_aside import move_aside
 from chord_usd.line.arrange.off_trim import clear_trim
 from chord_usd.line.arrange.on_walls import hang_on_walls
 from chord_usd.line.arrange.seating import seat_chairs
-from chord_usd.line.arrange.unit_runs import level_fronts
 from chord_usd.line.arrange.walls_kept import cut_at_walls
 from chord_usd.line.arrange.ways_open import open_ways
-from chord_usd.line.graph.fit import is_built_in
 from chord_usd.line.graph.flush import parted
 
 When = Literal["read", "given", "drawn", "meshed"]
@@ -115,17 +112,6 @@ def _parted(work: Arrangement, _: str, items: Sequence[Item]) -> list[Box]:
     return [footprint.on(item.box) for footprint, item in zip(apart, items, strict=True)]
 
 
-def _levelled(work: Arrangement, _: str, items: Sequence[Item]) -> list[Box]:
-    built_in = [is_built_in(category(item.category)) for item in items]
-    units = [item.box for item, is_unit in zip(items, built_in, strict=True) if is_unit]
-    others = [item.box for item, is_unit in zip(items, built_in, strict=True) if not is_unit]
-    assert work.painted is not None
-    level = iter(level_fronts(units, others, work.painted.frame.m_per_px))
-    return [
-        next(level) if is_unit else item.box for item, is_unit in zip(items, built_in, strict=True)
-    ]
-
-
 def _off_free_floor(work: Arrangement) -> SceneGraph:
     items = tuple(
         replace(item, box=kept_off(work.clear_floors, item, work.reach_m, work.painted))
@@ -142,7 +128,6 @@ def _below_sills(work: Arrangement) -> SceneGraph:
 RULES: tuple[Rule, ...] = (
     Rule("cut at the room's edge", "read", _room_by_room(_cut_at_walls)),
     Rule("neighbours parted", "read", _room_by_room(_parted)),
-    Rule("one depth of kitchen units", "read", _room_by_room(_levelled)),
     Rule("off the floor before openings", "read", _off_free_floor),
     Rule("below window sills", "read", _below_sills),
     Rule("chairs face tables, in sets", "read", seat_chairs),

@@ -7,6 +7,10 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from chord_usd.base.metrics.clear_floor import shut_borders
+from chord_usd.base.metrics.design.kitchen_rules import RULES
+from chord_usd.base.metrics.design.rule import judge
+from chord_usd.base.metrics.design.shell import shells
+from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.fronts import shut_fronts
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.scene.geometry import room_polygon
@@ -20,8 +24,9 @@ DEPTHS_M = 0.6, 0.55, 0.5
 HEIGHT_M = 0.87
 LEAST_HEIGHT_M = 0.8
 """Of a worktop below a low window."""
-_LOOKED_AT = 4
-"""Kitchens of which the first is taken whose fronts can all be stood before."""
+_NOTHING = (0, 0.0)
+_EACH = 8
+"""Shapes looked at for each kitchen that is judged by all rules."""
 
 
 def compose(
@@ -49,24 +54,38 @@ def compose(
         worktop_height(site), effort,
     )  # fmt: skip
     rng = np.random.default_rng(seed)
-    best: tuple[int, list[Unit]] | None = None
-    for found in cheapest(site, wanted, rng, DEPTHS_M)[:_LOOKED_AT]:
+    options = cheapest(site, wanted, rng, DEPTHS_M)[: 1 + effort // _EACH]
+    best: tuple[tuple[int, float], list[Unit]] | None = None
+    for found in options:
         units = units_of(found, wanted, rng)
-        shut = _shut(house, room, stays, units)
-        if best is None or shut < best[0]:
-            best = shut, units
-        if not shut:
+        if len(options) == 1:
+            return units
+        missed = _missed(house, room, stays, units)
+        if best is None or missed < best[0]:
+            best = missed, units
+        if missed == _NOTHING:
             break
     return best[1] if best else []
 
 
-def _shut(house: SceneGraph, room: Room, stays: Collection[Item], units: Sequence[Unit]) -> int:
-    """How many fronts nobody could stand before, and borders nobody could cross."""
+def _missed(
+    house: SceneGraph, room: Room, stays: Collection[Item], units: Sequence[Unit]
+) -> tuple[int, float]:
+    """How many fronts nobody could stand before and borders nobody could cross, and the share of
+    planning rules (metrics.design) that units break."""
     items = [Item(str(index), unit.category, unit.box, room.id) for index, unit in enumerate(units)]
     floor = room_polygon(room)
     rooms = [one for one in house.rooms if room_polygon(one).dwithin(floor, WALL_THICKNESS_M / 2)]
     own = SceneGraph(tuple(rooms), house.openings, (*stays, *items))
-    return len(shut_fronts(own)) + sum(1 for _ in shut_borders(own))
+    shut = len(shut_fronts(own)) + sum(1 for _ in shut_borders(own))
+    judged = judge(
+        RULES,
+        View(shells(house.rooms, house.openings)[room.id], own.items),
+        "",
+        "kitchen",
+        floor.area,
+    )
+    return shut, 1.0 - judged.share
 
 
 def worktop_height(site: Site) -> float:

@@ -24,8 +24,13 @@ from chord_usd.line.compose.widths import (
     splits,
 )
 
-Variety = Literal["", "corner left", "corner right", "dishwasher", "tower", "island"]
-"""What a unit is beyond its category; of one in a corner, which end is hidden (own x)."""
+Variety = Literal[
+    "", "corner left", "corner right", "beside left", "beside right", "dishwasher", "tower",
+]  # fmt: skip
+"""What a unit is beyond its category; in or beside a corner of two runs, which end is there (own
+x, which runs against the wall's direction)."""
+_BESIDE_FROM = 6
+"""Cells of the narrowest unit with a filler."""
 
 SINGLE, DOUBLE = "single_door_floor_cabinet", "double_door_floor_cabinet"
 APPLIANCE = "electrical_floor_cabinet"
@@ -64,7 +69,7 @@ def units_of(found: Found, wanted: Wanted, rng: np.random.Generator) -> list[Uni
     units: list[Unit] = []
     washes = _dishwasher_side(found) if wanted.appliances else None
     for index, run in enumerate(found.shape.runs):
-        slots = _widened(run, list(_slots(found, index, washes, rng)))
+        slots = _beside_corner(run, _widened(run, list(_slots(found, index, washes, rng))))
         units += [_unit(run, slot, wanted.height) for slot in slots]
         units += _tall_units(found, index)
     apart = found.talls.wall
@@ -206,6 +211,22 @@ def _widened(run: Run, slots: list[_Slot]) -> list[_Slot]:
             slot.low += slack
             slot.high += slack
     return slots
+
+
+def _beside_corner(run: Run, slots: list[_Slot]) -> list[_Slot]:
+    """The units, plain ones at a corner with a filler there."""
+    for at, variety in ((0, "beside right"), (-1, "beside left")):
+        if run.ends[at] == "beside corner" and slots:
+            slot = slots[at]
+            is_wide = slot.high - slot.low >= _BESIDE_FROM
+            if slot.is_plain and not slot.variety and is_wide and _touches(run, slot, at):
+                slot.variety = variety
+    return slots
+
+
+def _touches(run: Run, slot: _Slot, at: int) -> bool:
+    """Whether a unit stands at an end of its run: before tall ones there is none in the corner."""
+    return slot.low < 1.0 if at == 0 else slot.high > run.cells - 1.0
 
 
 def _unit(run: Run, slot: _Slot, height: float) -> Unit:

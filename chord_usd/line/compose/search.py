@@ -35,6 +35,8 @@ _WIDE_SINK_FROM_M = 3.4
 _WIDE_SINKS = 0.6
 """Share of such kitchens."""
 _AT_WINDOW_M = 0.2
+_HINTED = 2.0
+"""Price of a metre between units that somebody has placed and the runs, on average."""
 _PULL_OUT = 0.3
 """Price of a unit that is narrower than others, for what it holds."""
 _WALL_CELLS = 3
@@ -132,7 +134,7 @@ def _shape_cost(site: Site, shape: Shape, wanted: Wanted) -> float:
     if wanted.hints:
         walls = shapely.union_all(runs)
         away = [min(walls.distance(shapely.Point(x, y)), 1.5) for _, x, y in wanted.hints]
-        cost += 1.2 * sum(away) / len(away)
+        cost += _HINTED * sum(away) / len(away)
     return cost
 
 
