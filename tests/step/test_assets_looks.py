@@ -13,13 +13,8 @@ from pxr import Usd, UsdShade, UsdUtils, UsdValidation
 from chord_usd.base.scene.look_families import Family, load_families
 from chord_usd.base.scene.styles import STYLES
 from chord_usd.base.scene.types import FloatArray, Room
-from chord_usd.library.looks.look_library import (
-    DRAWINGS,
-    draw_look,
-    drawn_look,
-    own_looks,
-    style_looks,
-)
+from chord_usd.library.looks.look_drawing import DRAWINGS, draw_look
+from chord_usd.library.looks.look_library import drawn_look, own_looks, style_looks
 from chord_usd.library.looks.look_noise import normal_map
 from chord_usd.library.looks.look_package import map_file, write_material
 from tests.every import for_every
@@ -100,7 +95,7 @@ def test_every_family_has_a_drawing_with_its_parameters() -> None:
 
 @every_family
 def test_packages_are_valid_small_and_the_same_each_time(family: Family, tmp_path: Path) -> None:
-    from chord_usd.library.looks.look_library import write_look
+    from chord_usd.library.looks.look_drawing import write_look
 
     look = drawn_look(family, {}, PX)
     folder = look.usd_path.parent

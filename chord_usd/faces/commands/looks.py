@@ -69,7 +69,8 @@ def run_list(options: argparse.Namespace) -> Outcome:
 def run_show(options: argparse.Namespace) -> Outcome:
     """Runs looks show."""
     from chord_usd.base.scene.look_families import family_named
-    from chord_usd.library.looks.look_library import draw_look, look_name
+    from chord_usd.library.looks.look_drawing import draw_look
+    from chord_usd.library.looks.look_library import look_name
     from chord_usd.library.looks.look_sheet import draw_looks
 
     family = family_named(options.family)
@@ -110,7 +111,7 @@ Cell = tuple[str, "Family", dict[str, Any]]
 
 
 def _maps(family: Family, settings: dict[str, Any]) -> Maps:
-    from chord_usd.library.looks.look_library import draw_look
+    from chord_usd.library.looks.look_drawing import draw_look
 
     return draw_look(family, settings)
 
