@@ -211,8 +211,13 @@ def test_a_chair_fits_under_every_table(assets: tuple[Asset, ...]) -> None:
 
 
 def colours(stage: Usd.Stage) -> dict[str, tuple]:
-    shaders = (UsdShade.Shader(p) for p in stage.Traverse() if p.GetName() == "Surface")
-    return {str(s.GetPath()): tuple(s.GetInput("diffuseColor").Get()) for s in shaders}
+    """The colour of each surface and the file of each picture."""
+    shaders = [UsdShade.Shader(p) for p in stage.Traverse() if p.IsA(UsdShade.Shader)]
+    plain = {str(s.GetPath()): tuple(s.GetInput("diffuseColor").Get())
+             for s in shaders if s.GetPrim().GetName() == "Surface"}  # fmt: skip
+    pictures = {str(s.GetPath()): (s.GetInput("file").Get().path,)
+                for s in shaders if s.GetInput("file")}  # fmt: skip
+    return {**plain, **pictures}
 
 
 @pytest.mark.parametrize("design", list(SAMPLE.values())[::7], ids=lambda design: design.id)

@@ -260,7 +260,7 @@ def test_passes_are_those_of_the_program() -> None:
 
 def test_plans_are_those_that_the_program_reads() -> None:
     from chord_usd.faces.batch.work_units import PLAN_SUFFIXES
-    from chord_usd.line.plan.vector.formats import SUFFIXES
+    from chord_usd.line.plan.vector import SUFFIXES
 
     assert {*SUFFIXES, ".pdf", ".json"} <= set(commands.PLAN_SUFFIXES)
     assert set(PLAN_SUFFIXES) == set(commands.PLAN_SUFFIXES)

@@ -27,8 +27,8 @@ from chord_usd.base.scene.units import px_from_m
 from chord_usd.line.plan.picture import read_picture
 from chord_usd.line.plan.placement import PAGE, WARNINGS, frame_of, straightening_of
 from chord_usd.line.plan.sheet import straightened
+from chord_usd.line.plan.vector import is_svg, is_vector
 from chord_usd.line.plan.vector.backdrop import backdrop
-from chord_usd.line.plan.vector.formats import is_svg, is_vector
 from chord_usd.line.plan.vector.pdf import read_pages
 from chord_usd.line.plan.vector.svg_page import read_page
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,13 +20,12 @@ from chord_usd.base.scene.limits import LARGEST_HOUSE_M
 from chord_usd.base.scene.room_names import room_kinds
 from chord_usd.base.scene.types import ByteArray, Plan, PlanImage
 from chord_usd.line.plan.decode import decode_plan
-from chord_usd.line.plan.drawing import Known, read_drawing, read_sheet
 from chord_usd.line.plan.picture import read_picture
 from chord_usd.line.plan.placement import PAGE, WARNINGS
-from chord_usd.line.plan.scale_choice import SCALE, per_unit
-from chord_usd.line.plan.vector.formats import is_svg, is_vector, read_vector, read_vector_storeys
-from chord_usd.line.plan.vector.pdf import PdfPage, read_pages
-from chord_usd.line.plan.vector.svg_page import read_page
+from chord_usd.line.plan.vector import is_svg, is_vector
+
+if TYPE_CHECKING:
+    from chord_usd.line.plan.vector.pdf import PdfPage
 
 _PALETTE_SHARE = 0.99
 """A picture of which so much is in the palette's plan colours is a plan raster."""
@@ -67,6 +67,8 @@ def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan
     by their heights, of CHOrD JSON the one. Raises PlanError."""
     refuse_odd_file(path, PlanError)
     if is_vector(path):
+        from chord_usd.line.plan.vector.formats import read_vector_storeys
+
         plans = read_vector_storeys(path, scale)
         if is_svg(path) and not any(plan.openings for plan, _ in plans):
             return [StoreyPlan(read_plan_file(path, scale))]
@@ -77,6 +79,8 @@ def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan
     picture = read_picture(path)
     if picture.frame is not None or is_plan_raster(picture.rgb):
         return [StoreyPlan(read_plan_file(path, scale))]
+    from chord_usd.line.plan.drawing import read_sheet
+
     try:
         found = read_sheet(picture.rgb, scale)
     except PlanError as error:
@@ -88,6 +92,8 @@ def _read(path: Path, scale: float | None, part: int, is_open: bool) -> Plan:
     if path.suffix.lower() == ".pdf":
         return _plan_of_pdf(path, scale, part, is_open)
     if is_vector(path):
+        from chord_usd.line.plan.vector.formats import read_vector
+
         named = read_vector(path, scale, part)
         return (
             named
@@ -116,6 +122,8 @@ def _plan_of_picture(path: Path, scale: float | None, part: int, is_open: bool) 
         elif is_plan_raster(picture.rgb):
             plan = decode_plan(picture.rgb, scale)
         else:
+            from chord_usd.line.plan.drawing import Known, read_drawing
+
             plan = read_drawing(picture.rgb, scale, part, Known(is_open=is_open))
     except PlanError as error:
         raise _at(path, error) from error
@@ -126,6 +134,10 @@ def _plan_of_looks(
     path: Path, scale: float | None, part: int, named: Plan | None, is_open: bool
 ) -> Plan:
     """The plan of an SVG that names no openings, by its looks, or else the one that it names."""
+    from chord_usd.line.plan.drawing import Known, read_drawing
+    from chord_usd.line.plan.scale_choice import SCALE, per_unit
+    from chord_usd.line.plan.vector.svg_page import read_page
+
     try:
         page = read_page(path)
         known = Known((), page.stated_m_per_px, page.paper_m_per_px, is_open)
@@ -145,6 +157,8 @@ def _plan_of_looks(
 
 def _plan_of_pdf(path: Path, scale: float | None, part: int, is_open: bool) -> Plan:
     """The plan on the first page that shows one."""
+    from chord_usd.line.plan.drawing import Known, read_drawing
+
     first: PlanError | None = None
     for page in _pages(path):
         try:
@@ -163,6 +177,8 @@ def _plan_of_pdf(path: Path, scale: float | None, part: int, is_open: bool) -> P
 
 
 def _pages(path: Path) -> Iterator[PdfPage]:
+    from chord_usd.line.plan.vector.pdf import read_pages
+
     try:
         yield from read_pages(path)
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Which file is read how: one table of suffixes."""
+"""Vector files as plans, each read in a process of its own."""
 
 from __future__ import annotations
 
@@ -17,32 +17,14 @@ from chord_usd.base.scene.storeys import STOREY_M
 from chord_usd.base.scene.types import Plan
 from chord_usd.line.plan.placement import WARNINGS
 from chord_usd.line.plan.scale_choice import SCALE
+from chord_usd.line.plan.vector import READERS, is_svg
 from chord_usd.line.plan.vector.assemble import assemble
 from chord_usd.line.plan.vector.shapes import VectorDrawing, refuse_absurd
 
 Reader = Callable[[Path], list[VectorDrawing]]
 
-_READERS = {
-    ".svg": ("svg", "read_svg"),
-    ".dxf": ("dxf", "read_dxf"),
-    ".ifc": ("ifc", "read_ifc"),
-    ".sh3d": ("sweethome", "read_sweethome"),
-}
-
 _LEAST_STOREY = 0.2
 """Share of the largest storey's floor that another one has; a roof's or a cellar's may be less."""
-
-SUFFIXES = tuple(_READERS)
-
-
-def is_vector(path: Path) -> bool:
-    """Whether a file is read as shapes, by its suffix."""
-    return path.suffix.lower() in _READERS
-
-
-def is_svg(path: Path) -> bool:
-    """Whether a vector file is drawn for the eye, too, and can be read by its looks."""
-    return path.suffix.lower() == ".svg"
 
 
 def read_drawings(path: Path) -> list[VectorDrawing]:
@@ -50,7 +32,7 @@ def read_drawings(path: Path) -> list[VectorDrawing]:
 
     To be called in a confined process, as read_vector and backdrop do.
     """
-    module, function = _READERS[path.suffix.lower()]
+    module, function = READERS[path.suffix.lower()]
     try:
         if path.stat().st_size == 0:
             raise PlanError("is empty", where=str(path), expected=f"a {path.suffix.lower()} file")
