@@ -125,14 +125,16 @@ def test_a_folder_that_holds_something_is_refused(
 def test_a_full_disk_is_told_first(
     verb: str, option: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    tried = (
-        words_of(verb, option, f"made{one}")
-        for one in (".png", ".usda", ".json", ".glb", ".gz", "")
-    )
-    words = next(one for one in tried if _passes(one))
+    words = words_of(verb, option, f"made{_suffix(verb, option)}")
     usage = namedtuple("usage", "total used free")
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage(100, 99, 1))
     assert "the disk is full" in refused(capsys, words)
+
+
+def _suffix(verb: str, option: str) -> str:
+    """One that this output may have."""
+    suffixes = (".png", ".usda", ".json", ".glb", ".gz", "")
+    return next(one for one in suffixes if _passes(words_of(verb, option, f"made{one}")))
 
 
 def _passes(words: list[str]) -> bool:
@@ -150,8 +152,8 @@ def test_a_folder_that_is_read_only_is_told_first(
     verb: str, option: str, home: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (home / "mine").chmod(0o500)
-    suffix = ".png" if _passes(words_of(verb, option, "made.png")) else ".usda"
-    assert "permission denied" in refused(capsys, words_of(verb, option, f"mine/made{suffix}"))
+    name = f"mine/made{_suffix(verb, option)}"
+    assert "permission denied" in refused(capsys, words_of(verb, option, name))
 
 
 def test_a_sky_is_an_input(capsys: pytest.CaptureFixture[str]) -> None:
