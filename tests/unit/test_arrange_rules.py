@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from chord_usd.base.metrics.violations import violations
-from chord_usd.base.scene.types import Box, Edit, Item, Room, SceneGraph, frozen_array
+from chord_usd.base.scene.types import Box, Edit, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.line.arrange.arrangement import Arrangement
 from chord_usd.line.arrange.rules import arrange, edits_told, noted
 
@@ -57,3 +57,20 @@ def test_rounding_is_no_change_and_what_is_new_has_none() -> None:
     new = replace(DESK, id="r/table_1")
     after = noted("one", HOUSE, replace(HOUSE, items=(moved(BED, 1e-9), DESK, new)))
     assert not edits_told(after)
+
+
+def test_what_cuts_a_side_of_the_bed_off_goes_where_nothing_needs_it() -> None:
+    """A cabinet for a television stands 10 cm from the foot of the bed, all across the way."""
+    room = Room("r", "bedroom", frozen_array([(0, 0), (3.72, 0), (3.72, 2.61), (0, 2.61)]))
+    door = Opening("d", "door", Box((3.84, 0.92, 0.0), (0.84, 0.24, 2.1), 90.0), ("r",))
+    bed = Item("r/bed_0", "bed", Box((1.44, 1.5, 0.0), (1.5, 2.22, 0.85), 0.0), "r")
+    low = Item("r/tv_cabinet_0", "tv_cabinet", Box((1.4, 0.14, 0.0), (1.13, 0.28, 0.4), 180.0), "r")
+    house = SceneGraph((room,), (door,), (bed, low))
+    after = arrange(Arrangement.of(house, faults=lambda graph: 0.0), "drawn")
+    assert [item.id for item in after.items] == [bed.id]
+    # The bed cuts as much off: a bedroom without one has a fault more.
+    needed = arrange(Arrangement.of(house, faults=lambda graph: -len(graph.items)), "drawn")
+    assert needed.items == house.items
+    shifted = replace(low, box=replace(low.box, center_m=(3.0, 2.4, 0.0)))
+    free = replace(house, items=(bed, shifted))
+    assert arrange(Arrangement.of(free, faults=lambda graph: 0.0), "drawn").items == free.items

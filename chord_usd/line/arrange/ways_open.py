@@ -1,20 +1,40 @@
-"""Ways through the house are kept open: pieces that shut a room off are left out."""
+"""Ways through the house are kept open: pieces that shut a room off, or a part of one, are left
+out."""
 
 from __future__ import annotations
 
-from chord_usd.base.metrics.walk import walk
-from chord_usd.base.scene.geometry import room_polygon
-from chord_usd.base.scene.types import SceneGraph
-from chord_usd.line.arrange.arrangement import Arrangement
+from collections.abc import Iterator
+
+import shapely
+
+from chord_usd.base.metrics.walk import free_floor, walk
+from chord_usd.base.scene.geometry import footprint_polygon, polygons_of, room_polygon
+from chord_usd.base.scene.types import Item, SceneGraph
+from chord_usd.line.arrange.arrangement import Arrangement, Faults
 
 _BESIDE_M = 0.5
 """From a shut room: a piece that shuts it stands in it or in a room beside it."""
 
+_SIDEWAYS_M = 0.1
+"""Half of a gap that one passes sideways."""
+
+_LEAST_CUT_M2 = 0.3
+"""A smaller part of the floor is left to the piece that cuts it off."""
+
+_AT_M = 2 * _SIDEWAYS_M
+"""From where one passes sideways to a piece that bounds it."""
+
 
 def open_ways(work: Arrangement) -> SceneGraph:
-    """The house without the pieces that shut rooms off, the least wrong first (faults)."""
-    faults, graph = work.faults, work.graph
+    """The house without the pieces that shut rooms off, the least wrong first (faults), and without
+    those that cut floor off and can be done without, the smaller first."""
+    faults = work.faults
     assert faults is not None, "nothing measures how much is wrong"
+    return _floor_joined(work, faults, _rooms_opened(work, faults))
+
+
+def _rooms_opened(work: Arrangement, faults: Faults) -> SceneGraph:
+    graph = work.graph
     while shut := walk(graph).shut:
         floors = [work.floors[room_id] for room_id in shut]
         near = {
@@ -32,3 +52,44 @@ def open_ways(work: Arrangement) -> SceneGraph:
             break
         graph = left[3]
     return graph
+
+
+def _floor_joined(work: Arrangement, faults: Faults, graph: SceneGraph) -> SceneGraph:
+    while cut_m2 := _cut_off(graph)[1]:
+        joined = [
+            (faults(option), _area_m2(item), item.id, option)
+            for item in _around(work, graph)
+            for option in [graph.without([item.id])]
+            if _cut_off(option)[1] <= cut_m2 - _LEAST_CUT_M2
+        ]
+        best = min(joined, default=None, key=lambda each: each[:3])
+        if best is None or best[0] > faults(graph):
+            break
+        graph = best[3]
+    return graph
+
+
+def _area_m2(item: Item) -> float:
+    return item.box.size_m[0] * item.box.size_m[1]
+
+
+def _cut_off(graph: SceneGraph) -> tuple[list[list[shapely.Polygon]], float]:
+    """The floor in parts, those that one gets to, if only sideways, and the others; and the area of
+    the others in m²."""
+    reached = walk(graph).reached
+    near, far = [], []
+    for part in polygons_of(free_floor(graph).buffer(-_SIDEWAYS_M, quad_segs=2)):
+        if part.intersects(reached):
+            near.append(part)
+        elif part.area >= _LEAST_CUT_M2:
+            far.append(part)
+    return [near, far], sum(part.area for part in far)
+
+
+def _around(work: Arrangement, graph: SceneGraph) -> Iterator[Item]:
+    """Pieces that may move, between floor that is cut off and the rest."""
+    sides = [shapely.union_all(parts) for parts in _cut_off(graph)[0]]
+    for item in graph.items:
+        shape = footprint_polygon(item.box)
+        if all(shape.dwithin(side, _AT_M) for side in sides) and work.may_move(item):
+            yield item
