@@ -18,7 +18,7 @@ import shapely
 from chord_usd.base.metrics.clear_floor import clearances, is_open_border, open_borders
 from chord_usd.base.metrics.fronts import FRONT, USED_SIDES, floor_before
 from chord_usd.base.scene.geometry import footprint, footprint_polygon, gaps, room_polygon
-from chord_usd.base.scene.trim import CASING_M, DRIP_M
+from chord_usd.base.scene.trim import BOARD_M, CASING_M, DRIP_M
 from chord_usd.base.scene.types import WALL_THICKNESS_M, FloatArray, Item, Opening, Room, SceneGraph
 
 Span = tuple[float, float]
@@ -26,8 +26,8 @@ Span = tuple[float, float]
 LEAST_WALL_M = 0.3
 """Nothing stands along a shorter side."""
 TOUCH_M = 1e-4
-_BESIDE_M = CASING_M[0] + 0.005
-"""Kept beside the hole of a door: its casing stands there."""
+_BESIDE_M = {"door": CASING_M[0] + 0.005, "window": BOARD_M[1] + 0.005}
+"""Kept beside the hole of an opening: for its casing, or for the ends of its board."""
 BEFORE_M = 0.6
 """Depth of the floor before what is used."""
 _AT_WALL_M = WALL_THICKNESS_M / 2 + 0.1
@@ -203,7 +203,7 @@ def _wall(
     edges = bare.local(np.delete(others, index, axis=0)).reshape(-1, 4)
     blocks = []
     for opening, shape in clear:
-        beside = _BESIDE_M if opening.kind == "door" else 0.0
+        beside = _BESIDE_M.get(opening.kind, 0.0)
         sill = opening.box.center_m[2] - DRIP_M[1] if opening.kind == "window" else _OUT
         blocks.append([*_extent(bare, shapely.get_coordinates(shape), beside), sill])
     blocks += [[*_extent(bare, shape), _OUT] for shape in standing]
