@@ -33,7 +33,7 @@ def test_a_house_is_whole_and_its_folder_can_be_moved(folder: Path, tmp_path: Pa
     assert names == {
         "house.usda", "house_architecture", "assets", "materials", "plan.png", "layout.png",
         "scene.json", "house.json", "pictures", "pictures.json", ".chord-usd.manifest",
-        "house_attribution.txt",
+        "house_attribution.txt", "costs.json",
     }  # fmt: skip
     moved = (folder / "studio-0").rename(tmp_path / "moved")
     report = check_stage(moved / "house.usda")
