@@ -34,6 +34,8 @@ _LENGTHS_M = 1.8, 2.4, 3.0, 3.6, 4.2, 4.8
 _SQUARE = 0.03
 _AT_CORNER_M = 0.02
 _BETWEEN_FRONTS_M = 0.85
+_WIDEST_AISLE_M = 2.4
+"""Runs that are farther apart are no galley."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +160,8 @@ def _faces(one: _Stretch, other: _Stretch, depth: float) -> bool:
         return False
     ends = one.wall.local(np.array([other.wall.at(other.low, 0.0), other.wall.at(other.high, 0.0)]))
     beside = min(one.high, ends[:, 0].max()) - max(one.low, ends[:, 0].min())
-    return bool(apart >= 2 * depth + _BETWEEN_FRONTS_M and beside > LEAST_M)
+    aisle = apart - 2 * depth
+    return bool(_BETWEEN_FRONTS_M <= aisle <= _WIDEST_AISLE_M and beside > LEAST_M)
 
 
 def _meets(one: _Stretch, other: _Stretch) -> bool:

@@ -25,6 +25,8 @@ Span = tuple[float, float]
 
 LEAST_WALL_M = 0.3
 """Nothing stands along a shorter side."""
+_WALLS = 16
+"""Sides of a room that are looked at, the longest ones."""
 TOUCH_M = 1e-4
 _BESIDE_M = {"door": CASING_M[0] + 0.005, "window": BOARD_M[1] + 0.005}
 """Kept beside the hole of an opening: for its casing, or for the ends of its board."""
@@ -146,10 +148,12 @@ def site_of(house: SceneGraph, room: Room, stays: Iterable[Item], moves: Iterabl
     ends = np.array(
         [[box_end(one, -0.5), box_end(one, 0.5)] for one in own if one.kind != "window"]
     )
+    lengths = np.hypot(*(np.roll(corners, -1, axis=0) - corners).T)
+    longest = sorted(np.argsort(-lengths, kind="stable")[:_WALLS].tolist())
     walls = tuple(
         _wall(index, corners, clear, own, [footprint(one) for one in borders], standing)
-        for index in range(len(corners))
-        if math.dist(corners[index], corners[(index + 1) % len(corners)]) >= LEAST_WALL_M
+        for index in longest
+        if lengths[index] >= LEAST_WALL_M
     )
     return Site(
         area_m2=float(floor.area),
