@@ -113,6 +113,18 @@ def test_seeds_give_other_kitchens_and_the_same_seed_the_same() -> None:
     assert len(set(made)) >= 8
 
 
+def test_large_kitchens_have_islands_that_one_walks_round() -> None:
+    """A work aisle before the run, a walkway on the other sides, and no fault."""
+    houses = [composed(kitchen((5.2, 5.0)), seed) for seed in range(8)]
+    found = [[i for i in house.items if i.facts.unit == "island"] for house in houses]
+    assert 2 <= sum(map(bool, found)) < len(houses)
+    for house, units in zip(houses, found, strict=True):
+        assert not violations(house)
+        others = [footprint_polygon(i.box) for i in house.items if i not in units]
+        for unit in units:
+            assert min(map(footprint_polygon(unit.box).distance, others)) > 0.9
+
+
 def test_no_kitchen_where_none_fits() -> None:
     house = kitchen((1.0, 1.1))
     assert composed(house).items == ()

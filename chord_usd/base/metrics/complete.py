@@ -18,7 +18,7 @@ import shapely
 
 from chord_usd.base.metrics.footprints import PolygonArray
 from chord_usd.base.metrics.fronts import shut_fronts
-from chord_usd.base.metrics.unit_gaps import unit_gaps
+from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS, unit_gaps
 from chord_usd.base.scene.geometry import (
     footprint,
     footprint_polygon,
@@ -76,6 +76,8 @@ FEWER_BELOW_M2: dict[RoomKind, tuple[tuple[float, int], ...]] = {"bathroom": ((2
 WALL_GAP_M = 0.13
 """A back no farther than this from a wall stands at it: a panel may hang between."""
 LEAST_WALL_M = 0.2
+ISLAND_M = 0.8
+"""A kitchen unit that is farther than this from every wall stands in an island."""
 AT_TABLE_M = 0.65
 """From a chair's middle to its table's edge."""
 SEES_M = 5.0
@@ -239,7 +241,8 @@ class _House:
     ) -> Iterator[Fault | None]:
         if is_undersized(item):
             yield UNDERSIZED
-        if item.category in WALLED and not has_back_to_wall(item, sides):
+        is_walled = item.category in WALLED and not self._in_island(item, sides)
+        if is_walled and not has_back_to_wall(item, sides):
             yield "off its wall"
         if item.category == "chair":
             yield self._chair_fault(item)
@@ -249,6 +252,13 @@ class _House:
             seats = self.of(SEATS)
             if not any(_faces(item, _middle(seat), TELEVISION_DEG) for seat in seats):
                 yield "facing no seat"
+
+    def _in_island(self, item: Item, sides: Sequence[tuple[FloatArray, FloatArray]]) -> bool:
+        """Whether a kitchen unit stands where one walks all round it."""
+        lines = shapely.linestrings([np.stack(side) for side in sides])
+        return item.category in KITCHEN_UNITS and bool(
+            shapely.distance(lines, self.shape(item)).min() > ISLAND_M
+        )
 
     def _chair_fault(self, chair: Item) -> Fault | None:
         tables = self.of(TABLES)

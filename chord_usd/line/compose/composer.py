@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 import numpy as np
+import shapely
 
 from chord_usd.base.metrics.clear_floor import shut_borders
 from chord_usd.base.metrics.design.kitchen_rules import RULES
@@ -13,10 +14,11 @@ from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.fronts import shut_fronts
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
-from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.base.scene.trim import DRIP_M
 from chord_usd.base.scene.types import WALL_THICKNESS_M, Item, Room, SceneGraph
 from chord_usd.line.compose.cut import Unit, units_of
+from chord_usd.line.compose.island import island_of
 from chord_usd.line.compose.search import EFFORT, Hint, Wanted, cheapest
 from chord_usd.line.compose.site import Site, site_of
 
@@ -54,10 +56,13 @@ def compose(
         worktop_height(site), effort,
     )  # fmt: skip
     rng = np.random.default_rng(seed)
+    stood_on = shapely.union_all([footprint_polygon(item.box) for item in stays])
+    floor = room_polygon(room).difference(stood_on)
     options = cheapest(site, wanted, rng, DEPTHS_M)[: 1 + effort // _EACH]
     best: tuple[tuple[int, float], list[Unit]] | None = None
     for found in options:
         units = units_of(found, wanted, rng)
+        units += island_of(site, floor, found, units, wanted.height, rng)
         if len(options) == 1:
             return units
         missed = _missed(house, room, stays, units)

@@ -26,6 +26,7 @@ from chord_usd.line.compose.widths import (
 
 Variety = Literal[
     "", "corner left", "corner right", "beside left", "beside right", "dishwasher", "tower",
+    "island",
 ]  # fmt: skip
 """What a unit is beyond its category; in or beside a corner of two runs, which end is there (own
 x, which runs against the wall's direction)."""
