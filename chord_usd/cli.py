@@ -29,12 +29,20 @@ from chord_usd.base.runtime.locations import keep_caches, untrained_in_use, work
 from chord_usd.base.runtime.offline import stay_offline
 from chord_usd.base.runtime.progress import held_lines
 
-VERBS = (
-    "generate", "plan", "layout", "graph", "stage", "render", "batch", "farm", "check", "describe",
-    "regenerate", "edit", "export", "diff", "mcp", "serve", "dataset", "train", "evaluate",
-    "assets", "looks",
-)  # fmt: skip
-"""Modules of chord_usd.faces.commands, in the order of the line, then the workshop."""
+GROUPS = {
+    "make a house": ("generate", "render", "serve"),
+    "look at a house and change it": (
+        "check", "describe", "diff", "edit", "regenerate", "export",
+    ),
+    "one step at a time": ("plan", "layout", "graph", "stage"),
+    "many houses, many machines": ("batch", "farm", "mcp"),
+    "meshes and materials": ("assets", "looks"),
+    "data, training and scores": ("dataset", "train", "evaluate"),
+    "this program": ("completion",),
+}  # fmt: skip
+"""Modules of chord_usd.faces.commands, by purpose, as the help page lists them."""
+
+VERBS = tuple(verb for group in GROUPS.values() for verb in group)
 
 DONE, NOT_HELD, UNUSABLE = 0, 1, 2
 
@@ -81,7 +89,8 @@ def _answer(words: Sequence[str]) -> int:
     working_folder()
     check_paths(options.parser, options)
     outcome = _run(options)
-    _tell(outcome, as_json=options.json)
+    if not options.quiet:
+        _tell(outcome, as_json=options.json)
     return DONE if outcome.holds else NOT_HELD
 
 
@@ -92,9 +101,11 @@ def build_parser(words: Sequence[str] = ()) -> Parser:
     parser = Parser(
         prog="chord-usd",
         description="A floor plan picture becomes a furnished, hierarchical OpenUSD house.",
-        epilog="chord-usd VERB --help tells more of a verb.",
+        epilog="chord-usd VERB --help lists the options of a verb.",
+        groups=GROUPS,
     )
     parser.add_argument("--version", action="version", version=f"chord-usd {__version__}")
+    parser.set_defaults(command_line=build_parser)
     verbs = parser.add_subparsers(metavar="VERB", required=True, dest="verb")
     for verb in words[:1] if words and words[0] in VERBS else VERBS:
         import_module(f"chord_usd.faces.commands.{verb}").add(verbs)

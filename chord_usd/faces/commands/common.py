@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -47,10 +48,45 @@ Options = argparse._ActionsContainer
 class Parser(argparse.ArgumentParser):
     """An ArgumentParser whose mistakes are errors of one line."""
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(
+        self, *, groups: Mapping[str, Sequence[str]] | None = None, **options: Any
+    ) -> None:
+        """groups: verbs by heading of the help page."""
         # An abbreviated option that works today is ambiguous the day a new option arrives.
         options.setdefault("allow_abbrev", False)
         super().__init__(**options)
+        self._groups = groups or {}
+
+    def format_help(self) -> str:
+        """The help page, verbs under their headings."""
+        verbs = next((a for a in self._actions if isinstance(a, _SubParsers)), None)
+        if not self._groups or verbs is None:
+            return super().format_help()
+        lines = [self.format_usage(), self.description or ""]
+        helps = {row.dest: row.help or "" for row in verbs._choices_actions}
+        width = max(map(len, helps))
+        for heading, names in self._groups.items():
+            rows = [f"  {name:<{width}}  {helps[name]}" for name in names if name in helps]
+            lines += ["", heading, *rows]
+        return "\n".join([*lines, "", self.epilog or "", ""])
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            choices = [str(choice) for choice in action.choices]
+            near = _did_you_mean(str(value), choices)
+            listed = near or f"choose from {', '.join(choices)}"
+            raise argparse.ArgumentError(action, f"there is no {_shown(str(value))}: {listed}")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse's; an option that the verb lacks is an error that names the nearest."""
+        parsed, extras = super().parse_known_args(args, namespace)
+        is_leaf = not any(isinstance(action, _SubParsers) for action in self._actions)
+        unknown = next((word for word in extras if word.startswith("--")), None)
+        if is_leaf and unknown:
+            word = unknown.partition("=")[0]
+            near = _did_you_mean(word, [w for w in self._option_string_actions if len(w) > 2])
+            self.error(f"there is no option {_shown(word)}" + (f": {near}" if near else ""))
+        return parsed, extras
 
     def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
         # argparse drops a "--" that is an option's value, and gives it a list without any.
@@ -60,6 +96,14 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(message.replace("\n", " "), try_=f"{self.prog} --help")
+
+
+_SubParsers = argparse._SubParsersAction
+
+
+def _did_you_mean(word: str, known: Sequence[str]) -> str:
+    near = get_close_matches(word, known, n=2)
+    return f"did you mean {' or '.join(near)}?" if near else ""
 
 
 def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) -> Parser:
@@ -72,6 +116,13 @@ def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) ->
     common.add_argument("--json", action="store_true", help="print one JSON object on stdout")
     common.add_argument(
         "--progress", choices=PROGRESS_STYLES, default="auto", help="how progress is told on stderr"
+    )
+    common.add_argument(
+        "-v", "--verbose", dest="progress", action="store_const", const="lines",
+        help="as --progress lines",
+    )  # fmt: skip
+    common.add_argument(
+        "-q", "--quiet", action="store_true", help="print errors only, no progress and no summary"
     )
     common.add_argument("--debug", action="store_true", help="show the traceback of an error")
     return parser
@@ -128,8 +179,8 @@ def add_view(parser: Options) -> None:
 
 
 def stopwatch(options: argparse.Namespace) -> Stopwatch:
-    """A stopwatch that reports as --progress asks."""
-    return Stopwatch(make_reporter(options.progress))
+    """A stopwatch that reports as --progress and --quiet ask."""
+    return Stopwatch(make_reporter("none" if options.quiet else options.progress))
 
 
 def existing_file(path: Path) -> Path:
