@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from chord_usd.base.scene.types import FloatArray, frozen_array
-from chord_usd.library.kit.model import Part
-from chord_usd.library.kit.solids import Size, Solid, joined, lathe, loft, ring, welded
+from chord_usd.library.kit.solids import Solid, joined, lathe, loft, ring, welded
 
 _MITRE_M = 4e-5
 """Between two rails of a frame."""
@@ -145,18 +144,6 @@ def moulded_rail(rail_m: float, deep_m: float) -> FloatArray:
         (1.0, 0.0),
     ]
     return np.array([[rail_m * along, -deep_m * out] for along, out in shape])
-
-
-def stretched(parts: Iterable[Part], size_m: Size) -> tuple[Part, ...]:
-    """Parts stretched, from their common base, to fill a size exactly, however much it takes."""
-    from dataclasses import replace
-
-    kept = tuple(parts)
-    bounds = np.array([part.solid.bounds_m() for part in kept])
-    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
-    factor = np.array(size_m) / (high - low)
-    base = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-    return tuple(replace(part, solid=part.solid.moved(*(-base)).scaled(*factor)) for part in kept)
 
 
 def face_uvs(solid: Solid, low_m: Sequence[float], high_m: Sequence[float]) -> FloatArray:

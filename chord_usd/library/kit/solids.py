@@ -248,31 +248,6 @@ def cushion(
     return loft(rings)
 
 
-def piped_cushion(
-    size_m: Size, corner_m: float = 0.06, round_m: float = 0.05, crown_m: float = 0.03
-) -> Solid:
-    """A cushion with its seam: a thin cord around the upper edge."""
-    length, width, height = size_m
-    cord_m = 0.005
-    body = cushion((length - 2 * cord_m, width - 2 * cord_m, height), corner_m, round_m, crown_m)
-    edge = height - crown_m
-    inset = 0.3 * min(round_m, edge / 2)
-    z = edge - 0.3 * min(round_m, edge / 2)
-    outline = ring(length - 2 * inset, width - 2 * inset, max(corner_m - inset, 0.01), z, 3)
-    around = np.linspace(0.0, 2 * math.pi, 5, endpoint=False)
-    following, before = np.roll(outline, -1, axis=0), np.roll(outline, 1, axis=0)
-    along = following - before
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
-    out = np.stack([along[:, 1], -along[:, 0], np.zeros(len(along))], axis=-1)
-    sections = [
-        point - cord_m * side + cord_m * (math.cos(a) * side + math.sin(a) * np.array([0, 0, 1.0]))
-        for point, side in zip(outline, out, strict=True)
-        for a in around
-    ]
-    rings = np.array(sections).reshape(len(outline), len(around), 3)
-    return body + loft([*rings[::-1]], loop=True)
-
-
 def _with_edge_points(outline: FloatArray, corner_points: int) -> FloatArray:
     """A ring of ring() with two more points on each straight side."""
     sides = outline.reshape(4, corner_points, 3)

@@ -23,7 +23,6 @@ from chord_usd.library.kitchen.kitchen_fronts import (
 from chord_usd.library.kitchen.sinks import apron_sink, drainer_sink, undermount_bowl
 
 PLINTH_M = 0.1
-HEIGHT_M = 0.87
 _OVERHANG_M = 0.018
 """Least distance between fronts and the edge of the worktop."""
 

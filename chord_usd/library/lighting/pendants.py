@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -318,17 +317,3 @@ def slatted(size_m: Size) -> tuple[Part, ...]:
         Part("Bulb", _bulb(0.04).moved(z=tall * 0.4), "bulb", None),
     )
     return _hung(shade, tall * 0.9 + 0.01, height)
-
-
-def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
-    base = {
-        "bulb": "bulb",
-        "opal": "opal_glass",
-        "paper": "paper_shade",
-        "cord": "black_metal",
-        "lining": "warm_white",
-        "glass": "clear_glass",
-        "wax": "wax",
-        "shade": "linen_shade",
-    }
-    return {name: {**base, **way} for name, way in ways.items()}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -350,17 +349,3 @@ def globes(size_m: Size) -> tuple[Part, ...]:
         ),
         Part("Globes", joined(balls), "opal", None),
     )
-
-
-def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
-    base = {
-        "bulb": "bulb",
-        "opal": "opal_glass",
-        "paper": "paper_shade",
-        "lining": "warm_white",
-        "shade": "linen_shade",
-        "trim": "linen",
-        "wood": "oak",
-        "metal": "black_metal",
-    }
-    return {name: {**base, **way} for name, way in ways.items()}

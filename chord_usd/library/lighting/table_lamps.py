@@ -271,18 +271,3 @@ def desk_lamp(size_m: Size) -> tuple[Part, ...]:
         Part("Joints", joined(joints), "trim", collider=None),
         *parts,
     )
-
-
-def _looks(**ways: dict[str, str]) -> dict[str, dict[str, str]]:
-    base = {
-        "shade": "linen_shade",
-        "trim": "linen",
-        "metal": "brass",
-        "bulb": "bulb",
-        "opal": "opal_glass",
-        "paper": "paper_shade",
-        "lining": "warm_white",
-        "wood": "oak",
-        "ceramic": "stoneware",
-    }
-    return {name: {**base, **way} for name, way in ways.items()}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from chord_usd.library.kit.forms import (
@@ -257,19 +255,3 @@ def dish(size_m: Size) -> tuple[Part, ...]:
         Part("Back", back, "plaster", None),
         Part("Diffuser", glow, "opal", None),
     )
-
-
-def _looks(**ways: Mapping[str, str]) -> dict[str, dict[str, str]]:
-    base = {
-        "bulb": "bulb",
-        "opal": "opal_glass",
-        "paper": "paper_shade",
-        "lining": "warm_white",
-        "shade": "linen_shade",
-        "trim": "brass",
-        "wood": "oak",
-        "metal": "black_metal",
-        "wax": "wax",
-        "plaster": "chalk",
-    }
-    return {name: {**base, **way} for name, way in ways.items()}

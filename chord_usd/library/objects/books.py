@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 
 from chord_usd.library.kit.forms import (
     rng_of,
 )
-from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, Solid, box, extruded, joined
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 SLOTS = ("cover_a", "cover_b", "cover_c", "cover_d")
 
@@ -176,15 +174,3 @@ def _stand(
             group.append(tipped(solid).moved(foot, y, -sunk_m))
         else:
             group.append(solid.moved(x, y))
-
-
-def _row(
-    name: str,
-    size_m: Size,
-    looks: dict,
-    styles: tuple[str, ...],
-    lean: bool = True,
-    lying: bool = False,
-) -> Design:
-    draw = partial(book_row, seed=name, lean=lean, lying=lying)
-    return Design(name, "book_row", size_m, draw, looks, DRY, styles)

@@ -257,12 +257,3 @@ def photo_frame(size_m: Size, *, mount_m: float = 0.018) -> tuple[Part, ...]:
         Part("Photograph", turned_["seen"], "photo", collider=None, uvs=uvs),
         Part("Prop", prop, "ink"),
     )
-
-
-def _frames(photo: str) -> dict[str, dict[str, str]]:
-    base = {"mount": "mount_board", "photo": photo, "ink": "black"}
-    return {
-        "oak": {"wood": "oak", **base},
-        "black": {"wood": "black_stain", **base},
-        "brass": {"wood": "antique_brass", **base},
-    }

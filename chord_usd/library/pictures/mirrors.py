@@ -183,10 +183,3 @@ def sunburst(size_m: Size) -> tuple[Part, ...]:
         Part("Frame", hoop.turned("x", 90).moved(**at), "frame", None),
         Part("Glass", glass.turned("x", 90).moved(**at), "mirror", None),
     )
-
-
-def _frames(**finishes: str) -> dict[str, dict[str, str]]:
-    return {
-        name: {"frame": finish, "mirror": "mirror_glass", "back": "black", "slip": "black_stain"}
-        for name, finish in finishes.items()
-    }

@@ -20,26 +20,3 @@ def potted(
     vessel = pot(kind, radius_m, height_m)
     named = draw(size_m, vessel)
     return (*vessel.parts, *grown(named, length, width, vessel.soil_m, height))
-
-
-def _looks(
-    leaf_: str,
-    *pots: tuple[str, str, str],
-    stem: str = "green_stem",
-    bark: str = "bark",
-    edge: str = "leaf_fresh",
-) -> dict[str, dict[str, str]]:
-    """Colourways by pot: (name, pot, basket or stand)."""
-    return {
-        name: {
-            "leaf": leaf_,
-            "stem": stem,
-            "bark": bark,
-            "edge": edge,
-            "soil": "earth",
-            "pot": pot_,
-            "basket": other,
-            "stand": other,
-        }
-        for name, pot_, other in pots
-    }

@@ -27,9 +27,6 @@ from chord_usd.library.plants.leaves import (
 GOLDEN_DEG = 137.508
 
 
-Named = list[tuple[str, "object", str, bool]]
-
-
 def tree(
     size_m: Size,
     vessel,

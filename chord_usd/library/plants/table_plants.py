@@ -146,18 +146,3 @@ def rosette(size_m: Size, vessel: Pot, *, leaves: int = 34) -> list:
             .turned("z", 137.508 * index)
         )
     return [("Leaves", joined(solids), "leaf", False)]
-
-
-def _looks(leaf_: str, *pots: tuple[str, str]) -> dict[str, dict[str, str]]:
-    return {
-        name: {
-            "pot": finish,
-            "soil": "earth",
-            "leaf": leaf_,
-            "stem": "green_stem",
-            "edge": "leaf_fresh",
-            "basket": "seagrass",
-            "stand": "oak",
-        }
-        for name, finish in pots
-    }

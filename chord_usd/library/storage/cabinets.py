@@ -330,15 +330,3 @@ def _shoe_tower(size_m: Size) -> tuple[Part, ...]:
         Part("Hook_Rail", rail, "body", collider=None),
         Part("Hooks", joined(hooks), "handle", collider=None),
     )
-
-
-def _look(body: str, fronts: str, handle: str, **more: str) -> dict[str, str]:
-    base = {
-        "body": body, "front": fronts, "top": body, "plinth": "graphite", "leg": body,
-        "handle": handle, "glass": "smoked_glass", "pane": "glass", "back": body,
-        "plate": "ceramic",
-        "cushion": "beige_cloth", "tv": "plastic_black", "screen": "screen",
-        "book_red": "book_clay", "book_blue": "book_slate", "book_pale": "book_sand",
-        "book_dark": "book_ink", "page": "paper", "thing": "stoneware",
-    }  # fmt: skip
-    return {**base, **more}

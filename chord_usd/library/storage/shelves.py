@@ -10,7 +10,7 @@ from chord_usd.library.cloth.stored import stored
 from chord_usd.library.kit.forms import (
     arc,
 )
-from chord_usd.library.kit.model import Design, Draw, Part
+from chord_usd.library.kit.model import Draw, Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
@@ -22,7 +22,6 @@ from chord_usd.library.kit.solids import (
     tube,
     welded,
 )
-from chord_usd.library.surfaces.dry_finishes import DRY
 
 _BOARD_M = 0.022
 
@@ -195,28 +194,10 @@ def _sewn(cloth: Solid) -> Solid:
     return welded(cloth.points_m, cloth.faces)
 
 
-def _looks(**ways: tuple[str, str]) -> dict[str, dict[str, str]]:
-    return {n: {"board": wood, "metal": metal, "back": wood} for n, (wood, metal) in ways.items()}
-
-
 _RAIL_M = 0.1
 _RAIL_SIZE_M = (0.08, _RAIL_M)
 _COAT_M = 0.44
 """Width of a coat on its hook."""
-
-
-def _row(
-    name: str,
-    category: str,
-    sizes_m: tuple[Size, ...],
-    draw: Draw,
-    looks: dict,
-    styles: tuple[str, ...],
-) -> tuple[Design, ...]:
-    return tuple(
-        Design(f"{name}_{100 * size[0]:.0f}", category, size, draw, looks, DRY, styles)
-        for size in sizes_m
-    )
 
 
 def board_heights_m(asset_id: str, height_m: float) -> tuple[float, ...]:

@@ -193,7 +193,3 @@ def cube_table(size_m: Size) -> tuple[Part, ...]:
         Part("Back", block((length - 2 * board, 0.012, height - 2 * board)).moved(
             y=width / 2 - 0.02, z=board), "leg"),
     )  # fmt: skip
-
-
-def _pair(top: str, leg: str, handle: str = "black_metal") -> dict[str, str]:
-    return {"top": top, "leg": leg, "body": top, "front": top, "handle": handle}
