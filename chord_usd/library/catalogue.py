@@ -11,18 +11,15 @@ from typing import Any
 
 from chord_usd.library.design_tables import Entry, colour_sets, entries
 from chord_usd.library.kit.model import Design, Light
-from chord_usd.library.surfaces.finishes import Finish
+from chord_usd.library.surfaces.finishes import Finish, finish_table
 
 _FINISHES = {
-    "common": "surfaces.finishes.FINISHES",
-    "dry": "surfaces.dry_finishes.DRY",
-    "kitchen": "surfaces.kitchen_finishes.FINISHES",
     "textiles": "surfaces.textiles.TEXTILES",
     "bed_linen": "surfaces.textiles.BED_LINEN",
     "dry_textiles": "surfaces.textiles.DRY_TEXTILES",
     "printed": "pictures.prints_and_screens.PRINTED",
 }
-"""Tables of finishes by their name in the column `finishes`."""
+"""Finishes that are made, by their name in the column `finishes`; others are in finishes.tsv."""
 
 
 @lru_cache(maxsize=1)
@@ -51,6 +48,8 @@ def _finishes(entry: Entry) -> Mapping[str, Finish]:
     """A table of finishes, or one that a function makes for the design's id and size."""
     if entry.finishes in _FINISHES:
         return resolved(_FINISHES[entry.finishes], "")
+    if entry.finishes.isidentifier():
+        return finish_table(entry.finishes)
     return resolved(entry.finishes, entry.folder)(entry.id, entry.size_m)
 
 

@@ -211,13 +211,14 @@ def test_a_chair_fits_under_every_table(assets: tuple[Asset, ...]) -> None:
 
 
 def colours(stage: Usd.Stage) -> dict[str, tuple]:
-    """The colour of each surface and the file of each picture."""
-    shaders = [UsdShade.Shader(p) for p in stage.Traverse() if p.IsA(UsdShade.Shader)]
-    plain = {str(s.GetPath()): tuple(s.GetInput("diffuseColor").Get())
-             for s in shaders if s.GetPrim().GetName() == "Surface"}  # fmt: skip
-    pictures = {str(s.GetPath()): (s.GetInput("file").Get().path,)
-                for s in shaders if s.GetInput("file")}  # fmt: skip
-    return {**plain, **pictures}
+    shaders = (UsdShade.Shader(p) for p in stage.Traverse() if p.GetName() == "Surface")
+    return {str(s.GetPath()): tuple(s.GetInput("diffuseColor").Get()) for s in shaders}
+
+
+def pictures(stage: Usd.Stage) -> dict[str, str]:
+    """The file of each picture on a surface."""
+    shaders = (UsdShade.Shader(p) for p in stage.Traverse() if p.IsA(UsdShade.Shader))
+    return {str(s.GetPath()): s.GetInput("file").Get().path for s in shaders if s.GetInput("file")}
 
 
 @pytest.mark.parametrize("design", list(SAMPLE.values())[::7], ids=lambda design: design.id)
@@ -228,7 +229,7 @@ def test_colourways_change_what_is_seen(design: Design, library: Path) -> None:
     seen = []
     for name in design.colourways:
         variants.SetVariantSelection(name)
-        seen.append(colours(stage))
+        seen.append((colours(stage), pictures(stage)))
     assert all(one != other for one, other in itertools.pairwise(seen))
 
 

@@ -10,8 +10,7 @@ from PIL import Image, ImageDraw
 from chord_usd.library.kit.forms import rng_of
 from chord_usd.library.pictures import art, art_nature
 from chord_usd.library.surfaces.drawn import DrawnFinishes
-from chord_usd.library.surfaces.dry_finishes import DRY
-from chord_usd.library.surfaces.finishes import Finish
+from chord_usd.library.surfaces.finishes import Finish, finish_table
 
 _ICONS = (
     (214, 92, 74),
@@ -140,7 +139,7 @@ def cover() -> Finish:
 
 
 PRINTED = DrawnFinishes(
-    DRY,
+    finish_table("dry"),
     {
         "desktop_screen": desktop_screen,
         "laptop_screen": laptop_screen,

@@ -18,8 +18,7 @@ from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import Size, block, box, cylinder, joined
 from chord_usd.library.pictures import art, art_nature
 from chord_usd.library.surfaces.drawn import DrawnFinishes
-from chord_usd.library.surfaces.dry_finishes import DRY
-from chord_usd.library.surfaces.finishes import Finish
+from chord_usd.library.surfaces.finishes import Finish, finish_table
 
 LONGEST_PX = 512
 
@@ -72,7 +71,7 @@ def art_finishes(name: str, drawings: Sequence[str], aspect: float) -> DrawnFini
         slot: cache(partial(_printed, f"{name}/{slot}", drawing, aspect))
         for slot, drawing in zip(ART_SLOTS, drawings, strict=False)
     }
-    return DrawnFinishes(DRY, pictures)
+    return DrawnFinishes(finish_table("dry"), pictures)
 
 
 def _printed(name: str, drawing: str, aspect: float) -> Finish:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from chord_usd.library.surfaces.dry_finishes import DRY
-from chord_usd.library.surfaces.finishes import FINISHES, Finish, Surface
+from chord_usd.library.surfaces.finishes import Finish, Surface, finish_table
 
 _COLOURS: dict[str, tuple[int, int, int]] = {
     "white": (240, 238, 233),
@@ -52,14 +51,7 @@ def _textiles() -> dict[str, Finish]:
 
 TEXTILES: dict[str, Finish] = {
     **_textiles(),
-    **FINISHES,
-    "white_sheer": Finish((246, 245, 240), 0.95, opacity=0.62, surface="weave"),
-    "cream_sheer": Finish((238, 230, 214), 0.95, opacity=0.66, surface="weave"),
-    "grey_sheer": Finish((196, 196, 194), 0.95, opacity=0.66, surface="weave"),
-    "jute_weave": Finish((190, 160, 114), 0.97, surface="weave"),
-    "sisal_weave": Finish((202, 182, 144), 0.97, surface="weave"),
-    "coir_weave": Finish((134, 100, 66), 0.98, surface="boucle"),
-    "washi": Finish((240, 235, 222), 0.9, opacity=0.9, surface="paper"),
+    **finish_table("textiles"),
 }
 """By name: `colour_cloth`, such as sage_linen, beside all those of the furniture."""
 
@@ -74,5 +66,5 @@ BED_LINEN: dict[str, Finish] = {
 }
 """TEXTILES, and each woven one as it is on a bed: `white_cloth_bedding` is creased."""
 
-DRY_TEXTILES: dict[str, Finish] = {**TEXTILES, **DRY}
+DRY_TEXTILES: dict[str, Finish] = {**TEXTILES, **finish_table("dry")}
 """TEXTILES beside those of dry rooms, which count where both have a name."""
