@@ -24,6 +24,7 @@ from chord_usd.library.kit.moves import Moving, door
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
+    at_corners,
     block,
     box,
     circle,
@@ -31,6 +32,7 @@ from chord_usd.library.kit.solids import (
     extruded,
     joined,
     lathe,
+    pair,
     ring,
 )
 from chord_usd.library.kitchen.kitchen_fronts import FrontForm, kitchen_fronts
@@ -60,11 +62,7 @@ def _machine(
     body = block((length, width - front_m + 0.002, height - feet), 0.006)
     body = body.moved(y=front_m / 2, z=feet)
     foot_x, foot_y = length / 2 - 0.06, width / 2 - 0.07
-    foot = [
-        cylinder(0.022, feet + 0.002, 0, 12).moved(sx * foot_x, sy * foot_y)
-        for sx in (-1, 1)
-        for sy in (-1, 1)
-    ]
+    foot = at_corners(cylinder(0.022, feet + 0.002, 0, 12), foot_x, foot_y)
     door_at = {"y": y, "z": centre_z}
     hoop = lathe(
         [
@@ -165,7 +163,7 @@ def _tub(radius: float, deep: float, y: float, z: float) -> tuple[Solid, tuple[S
     side = box((0.01, deep, 2 * radius))
     middle = y + deep / 2
     felt = [plate.moved(y=middle, z=z - radius - 0.01), plate.moved(y=middle, z=z + radius)]
-    felt += [side.moved(s * (radius + 0.005), middle, z - radius) for s in (-1, 1)]
+    felt += pair(side.moved(y=middle, z=z - radius), x=radius + 0.005)
     return tub, tuple(felt)
 
 

@@ -20,6 +20,7 @@ from chord_usd.library.kit.solids import (
     lathe,
     loft,
     mirrored_pair,
+    pair,
     ring,
     rounded_slab,
     tube,
@@ -230,7 +231,7 @@ def _cistern(size_m: Size, tank_w: float) -> list[Part]:
     )
     cover = rounded_slab((length, tank_w, 0.032), 0.036, 0.01, 6, 3).moved(y=y, z=top + 0.002)
     rim = lathe([(0.032, 0), (0.032, 0.004), (0.028, 0.0055), (0, 0.0055)], 26)
-    halves = [block((0.022, 0.044, 0.003), 0.001).moved(s * 0.0115, z=0.005) for s in (-1, 1)]
+    halves = pair(block((0.022, 0.044, 0.003), 0.001).moved(z=0.005), x=0.0115)
     button = joined([rim, *halves]).moved(0.0, y, height - 0.0035)
     return [
         Part("Cistern", tank, "ceramic"),

@@ -19,6 +19,7 @@ from chord_usd.library.kit.model import Part, hollow_part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
+    at_corners,
     block,
     box,
     cylinder,
@@ -26,6 +27,7 @@ from chord_usd.library.kit.solids import (
     joined,
     lathe,
     loft,
+    pair,
     ring,
     rounded_profile,
     tube,
@@ -96,7 +98,7 @@ def _open_case(length: float, y: float, back: float, low: float, high: float) ->
     cheek = box((0.018, depth - 0.002, hollow + 0.001))
     wall = box((length - 0.03, 0.016, hollow - 0.0005))
     upper = [
-        *(cheek.moved(s * (length - 0.0184) / 2, y + depth / 2, z) for s in (-1, 1)),
+        *pair(cheek.moved(y=y + depth / 2, z=z), x=(length - 0.0184) / 2),
         *(wall.moved(y=at, z=z + 0.0006) for at in (y + 0.0095, back - 0.0095)),
     ]
     return Part(
@@ -239,15 +241,10 @@ def console(size_m: Size) -> tuple[Part, ...]:
     felt = _felt_sunk(bowl_l, bowl_w, slab - 0.02, slab)
     x, y = length / 2 - leg_m / 2 - 0.004, width / 2 - leg_m / 2 - 0.004
     leg = block((leg_m, leg_m, height - slab + 0.001), 0.002)
-    frame = [leg.moved(sx * x, sy * y) for sx in (-1, 1) for sy in (-1, 1)]
+    frame = at_corners(leg, x, y)
     for z in (0.2, height - slab - 0.03):
-        frame += [
-            block((2 * x - leg_m + 0.002, 0.02, 0.02), 0.002).moved(y=sy * y, z=z) for sy in (-1, 1)
-        ]
-        frame += [
-            block((0.0198, 2 * y - leg_m + 0.002, 0.0198), 0.002).moved(sx * x, z=z)
-            for sx in (-1, 1)
-        ]
+        frame += pair(block((2 * x - leg_m + 0.002, 0.02, 0.02), 0.002).moved(z=z), y=y)
+        frame += pair(block((0.0198, 2 * y - leg_m + 0.002, 0.0198), 0.002).moved(z=z), x=x)
     board = block((2 * x - leg_m, 2 * y - leg_m, 0.022), 0.002).moved(z=0.2185)
     taps = [basin_tap("cross", 0.15).moved(at, width / 2 - _TAP_M, height - 0.001) for at in places]
     pipe = [

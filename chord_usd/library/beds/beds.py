@@ -14,7 +14,7 @@ from chord_usd.library.cloth.stored import Cloth, stored
 from chord_usd.library.cloth.stuffed import Filling, stuffed
 from chord_usd.library.kit.joinery import four_legs
 from chord_usd.library.kit.model import Collider, Part
-from chord_usd.library.kit.solids import Size, Solid, block, joined, rounded_slab, soft_block
+from chord_usd.library.kit.solids import Size, Solid, block, joined, pair, rounded_slab, soft_block
 
 Bedding = Literal["smooth", "rumpled"]
 Base = Literal["rails", "box", "platform", "tubes"]
@@ -67,10 +67,7 @@ def _base(kind: Base, length: float, width: float, head: float) -> tuple[Part, .
             Part("Rail", body.moved(y=y, z=0.05), "pad"),
         )
     if kind == "tubes":
-        sides = [
-            block((0.035, deep, 0.045), 0.004).moved(s * (wide - 0.035) / 2, y, 0.235)
-            for s in (-1, 1)
-        ]
+        sides = pair(block((0.035, deep, 0.045), 0.004).moved(y=y, z=0.235), x=(wide - 0.035) / 2)
         ends = block((wide - 0.06, 0.035, 0.045), 0.004)
         slat, step = block((wide - 0.05, 0.06, 0.018), 0.003), (deep - 0.2) / 9
         slats = [slat.moved(y=y + (i - 4.5) * step, z=0.265) for i in range(10)]

@@ -16,6 +16,7 @@ from chord_usd.library.kit.solids import (
     cylinder,
     joined,
     lathe,
+    pair,
     rounded_profile,
     rounded_slab,
     tube,
@@ -53,9 +54,7 @@ def headboard(kind: Headboard, length: float, height: float, back: float) -> tup
 def _spindles(length: float, height: float, thick: float) -> Solid:
     """Turned bars between two rails, the upper one gently bowed."""
     side = (length - 0.045) / 2
-    posts = [
-        cylinder(0.021, height - 0.03, 0.006, 14, top_m=0.015).moved(s * side) for s in (-1, 1)
-    ]
+    posts = pair(cylinder(0.021, height - 0.03, 0.006, 14, top_m=0.015), x=side)
     x = np.linspace(-length / 2, length / 2, 15)
     bow = 0.03 * (1 - (2 * x / length) ** 2)
     rail = tube(np.stack([x, 0 * x, height - 0.055 + bow], -1), 0.025, 12)
@@ -71,7 +70,7 @@ def _framed(length: float, height: float, thick: float, y: float) -> tuple[Part,
     """A board in a frame, upholstered between its stiles."""
     rail = 0.06
     side = (length - rail) / 2
-    pieces = [block((rail, thick, height), 0.005).moved(s * side) for s in (-1, 1)]
+    pieces = pair(block((rail, thick, height), 0.005), x=side)
     pieces += [
         block((length - 2 * rail + 0.004, thick - 0.006, rail), 0.004).moved(z=z)
         for z in (0.3, height - rail - 0.004)
@@ -101,10 +100,10 @@ def _tubes(length: float, height: float, thick: float) -> Solid:
     """A bedstead of tubes with thin bars and ball knobs."""
     radius = thick / 2 * 0.8
     side = length / 2 - thick / 2
-    posts = [cylinder(radius, height - 0.03, 0.0, 14).moved(s * side) for s in (-1, 1)]
+    posts = pair(cylinder(radius, height - 0.03, 0.0, 14), x=side)
     ball = [(0.008, 0.0), (thick / 2, 0.012), (thick / 2, 0.026), (0.012, 0.04), (0.0, 0.042)]
     knob = lathe(rounded_profile(ball, 2), 14)
-    knobs = [knob.moved(s * side, z=height - 0.042) for s in (-1, 1)]
+    knobs = pair(knob.moved(z=height - 0.042), x=side)
     heights = ((0.42, 0.011), (height - 0.26, 0.009), (height - 0.1, 0.014))
     rails = [tube([[-side, 0, z], [side, 0, z]], r, 12) for z, r in heights]
     count = max(round(length / 0.14), 6)

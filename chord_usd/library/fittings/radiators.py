@@ -17,6 +17,7 @@ from chord_usd.library.kit.solids import (
     cylinder,
     joined,
     lathe,
+    pair,
     ring,
     rounded_slab,
     tube,
@@ -134,12 +135,9 @@ def column_radiator(size_m: Size) -> tuple[Part, ...]:
         tube([[-length / 2 + 0.004, 0.0, z], [length / 2 - 0.052, 0.0, z]], 0.016, 12)
         for z in (0.05, height - 0.05)
     ]
-    brackets = [
-        cylinder(0.008, width / 2, 0.0, 10)
-        .turned("x", -90)
-        .moved(s * wide * 0.3, 0.0, height - 0.09)
-        for s in (-1, 1)
-    ]
+    brackets = pair(
+        cylinder(0.008, width / 2, 0.0, 10).turned("x", -90).moved(z=height - 0.09), x=wide * 0.3
+    )
     at = length / 2 - 0.04
     wheel = lathe(
         [(0.005, 0.0), (0.006, 0.016), (0.022, 0.018), (0.022, 0.028), (0.008, 0.032)], 18
@@ -169,12 +167,10 @@ def tubular_radiator(size_m: Size) -> tuple[Part, ...]:
         )
         for i in range(count)
     ]
-    posts = [
-        block((0.035, 0.03, height - 0.02), 0.006).moved(
-            s * (length / 2 - 0.08), -width / 2 + 0.03, 0.01
-        )
-        for s in (-1, 1)
-    ]
+    posts = pair(
+        block((0.035, 0.03, height - 0.02), 0.006).moved(y=-width / 2 + 0.03, z=0.01),
+        x=length / 2 - 0.08,
+    )
     stays = [
         box((0.03, width - 0.04, 0.03)).moved(s * (length / 2 - 0.08), 0.02, z)
         for s in (-1, 1)

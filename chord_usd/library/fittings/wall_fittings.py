@@ -19,6 +19,7 @@ from chord_usd.library.kit.solids import (
     extruded,
     joined,
     lathe,
+    pair,
     ring,
     rounded_slab,
 )
@@ -53,7 +54,7 @@ def toggle(size_m: Size) -> tuple[Part, ...]:
         rounded_slab((length, height, width * 0.4), 0.004, 0.0015, 3), back, height / 2
     )
     collar = lathe([(0.011, 0.0), (0.012, 0.001), (0.009, 0.003)], 20)
-    screws = [cylinder(0.0035, 0.0016, 0.0005, 12).moved(y=s * height * 0.36) for s in (-1, 1)]
+    screws = pair(cylinder(0.0035, 0.0016, 0.0005, 12), y=height * 0.36)
     lift = back - width * 0.4 + 0.0004
     lever = lathe([(0.0028, 0.0), (0.0042, 0.006), (0.0046, 0.0075), (0.0028, 0.009)], 12)
     long = width * 0.6

@@ -76,6 +76,21 @@ def mirrored_pair(solid: Solid) -> Solid:
     return solid + solid.scaled(x=-1.0)
 
 
+def pair(solid: Solid, *, x: float = 0.0, y: float = 0.0) -> list[Solid]:
+    """The solid twice: moved by (-x, -y) and by (x, y) metres."""
+    return [solid.moved(-x, -y), solid.moved(x, y)]
+
+
+def at_corners(solid: Solid, x: float, y: float) -> list[Solid]:
+    """The solid four times, moved by x and y metres to either side; the left ones first."""
+    return [solid.moved(sx * x, sy * y) for sx in (-1, 1) for sy in (-1, 1)]
+
+
+def ring_of(solid: Solid, count: int) -> list[Solid]:
+    """The solid count times, turned about the z axis in even steps."""
+    return [solid.turned("z", 360.0 * index / count) for index in range(count)]
+
+
 def welded(points_m: npt.ArrayLike, faces: npt.ArrayLike) -> Solid:
     """A solid whose coinciding points are merged and whose collapsed triangles are gone."""
     points = np.asarray(points_m, dtype=np.float64)

@@ -14,6 +14,7 @@ from chord_usd.library.kit.solids import (
     extruded,
     joined,
     loft,
+    pair,
     ring,
 )
 from chord_usd.library.kitchen.kitchen_fronts import (
@@ -51,16 +52,13 @@ def _underside(
     length: float, depth: float, back: float, front: float, z: float = 0.0
 ) -> tuple[Part, ...]:
     """Filters, lights and keys of a hood whose underside is at z."""
-    filters = [
-        block((length * 0.4, depth * 0.6, 0.006), 0.001).moved(
-            s * length * 0.21, back - depth * 0.45, z - 0.003
-        )
-        for s in (-1, 1)
-    ]
-    lights = [
-        cylinder(0.028, 0.004, 0.0, 16).moved(s * length * 0.3, front + 0.055, z - 0.002)
-        for s in (-1, 1)
-    ]
+    filters = pair(
+        block((length * 0.4, depth * 0.6, 0.006), 0.001).moved(y=back - depth * 0.45, z=z - 0.003),
+        x=length * 0.21,
+    )
+    lights = pair(
+        cylinder(0.028, 0.004, 0.0, 16).moved(y=front + 0.055, z=z - 0.002), x=length * 0.3
+    )
     keys = [
         cylinder(0.006, 0.004, 0.001, 10).turned("x", 90).moved(0.025 * n, front + 0.001, z + 0.025)
         for n in range(-2, 3)

@@ -13,7 +13,7 @@ import numpy as np
 from chord_usd.library.bath.taps import SinkTap, sink_tap
 from chord_usd.library.kit.joinery import FRONT_M, cells, felt_around, plinth, shifted
 from chord_usd.library.kit.model import Part, hollow_part
-from chord_usd.library.kit.solids import Size, block, box, extruded, joined, ring
+from chord_usd.library.kit.solids import Size, block, box, extruded, joined, pair, ring
 from chord_usd.library.kitchen.kitchen_appliances import hob, microwave, oven
 from chord_usd.library.kitchen.kitchen_fronts import (
     FrontForm,
@@ -172,12 +172,12 @@ def cooker_cabinet(size_m: Size, *, form: _Form, gas: bool = True) -> tuple[Part
         *hob(length, width, height, gas=gas),
     ]
     if side > 0.1:
-        fillers = [
+        fillers = pair(
             block((side - 0.006, FRONT_M, tall - 0.004), 0.0015).moved(
-                sign * (length - side) / 2, y - FRONT_M / 2, PLINTH_M + 0.004
-            )
-            for sign in (-1, 1)
-        ]
+                y=y - FRONT_M / 2, z=PLINTH_M + 0.004
+            ),
+            x=(length - side) / 2,
+        )
         parts.append(Part("Side_Fronts", joined(fillers), "front", felt=tuple(fillers)))
     return tuple(parts)
 
@@ -223,12 +223,12 @@ def _apron_cabinet(size_m: Size, form: _Form) -> tuple[Part, ...]:
     face = list(cells(length, tall - low, 2, z_m=PLINTH_M + 0.002))
     at_y = -width / 2 + bowl_w / 2 + 0.002
     cheek = (length - bowl_l) / 2 - 0.002
-    fillers = [
+    fillers = pair(
         block((cheek, FRONT_M, low - 0.002), 0.0015).moved(
-            sign * (length - cheek) / 2, y - FRONT_M / 2, PLINTH_M + 0.002 + tall - low
-        )
-        for sign in (-1, 1)
-    ]
+            y=y - FRONT_M / 2, z=PLINTH_M + 0.002 + tall - low
+        ),
+        x=(length - cheek) / 2,
+    )
     front, back = at_y - bowl_w / 2, at_y + bowl_w / 2 + 0.001
     half, hole = length / 2, bowl_l / 2 + 0.001
     outline = [
@@ -268,10 +268,10 @@ def _sink_body(size_m: Size, form: _Form) -> tuple[Part, ...]:
     tall = height - PLINTH_M - form.worktop_m + 0.001
     low = block((length, depth, tall - upper), 0.0015).moved(y=y + depth / 2, z=PLINTH_M)
     z = PLINTH_M + tall - upper - 0.001
-    cheeks = [
-        box((0.02, depth - 0.002, upper + 0.001)).moved(s * (length - 0.022) / 2, y + depth / 2, z)
-        for s in (-1, 1)
-    ]
+    cheeks = pair(
+        box((0.02, depth - 0.002, upper + 0.001)).moved(y=y + depth / 2, z=z),
+        x=(length - 0.022) / 2,
+    )
     walls = [box((length - 0.03, 0.016, upper - 0.001)).moved(y=width / 2 - 0.01, z=z + 0.001)]
     if form.fronts != "shaker":
         walls.append(box((length - 0.03, 0.016, upper - 0.001)).moved(y=y + 0.01, z=z + 0.001))

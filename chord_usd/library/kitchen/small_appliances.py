@@ -15,6 +15,7 @@ from chord_usd.library.kit.solids import (
     joined,
     lathe,
     loft,
+    pair,
     ring,
     rounded_profile,
     rounded_slab,
@@ -198,9 +199,7 @@ def toaster(size_m: Size, *, retro: bool = False) -> tuple[Part, ...]:
             ring(body_l * a, width * b, corner * a, feet + high * z, 5) + np.array([x, 0.0, 0.0])
         )
     body = loft(rings)
-    slots = joined(
-        [box((body_l * 0.66, 0.026, 0.003)).moved(x, s * 0.026, tall - 0.0015) for s in (-1, 1)]
-    )
+    slots = joined(pair(box((body_l * 0.66, 0.026, 0.003)).moved(x=x, z=tall - 0.0015), y=0.026))
     knob = (
         cylinder(0.013, 0.012, 0.003, 18)
         .turned("y", 90)

@@ -17,6 +17,7 @@ from chord_usd.library.kit.solids import (
     joined,
     lathe,
     loft,
+    pair,
     rounded_profile,
     rounded_slab,
     tube,
@@ -242,6 +243,6 @@ def drinks(size_m: Size, *, kind: Literal["bottle", "carafe"] = "bottle") -> tup
              (g, tall * 0.68),
              (g * 0.82, tall), (g * 0.8, tall), (g * 0.95, tall * 0.68), (0, tall * 0.5)], 24,
         )  # fmt: skip
-        glasses = [glass.moved(length / 2 - g, s * (width / 2 - g)) for s in (-1, 1)]
+        glasses = pair(glass.moved(x=length / 2 - g), y=width / 2 - g)
         parts.append(Part("Glasses", joined(glasses), "glass", felt=tuple(glasses)))
     return tuple(parts)

@@ -18,6 +18,8 @@ from chord_usd.library.kit.solids import (
     cylinder,
     joined,
     lathe,
+    pair,
+    ring_of,
     rounded_slab,
     tube,
 )
@@ -158,15 +160,9 @@ def lattice(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     rail, thin = 0.03, 0.008
     side = np.array([[0, 0], [0, height], [rail * 0.7, height], [rail * 0.7, 0]])
-    box_ = [
-        block((length, rail * 0.7, height), 0.003).moved(y=s * (width - rail * 0.7) / 2)
-        for s in (-1, 1)
-    ] + [
-        block((rail * 0.7, width - 1.4 * rail - 0.0002, height), 0.003).moved(
-            x=s * (length - side[2, 0]) / 2
-        )
-        for s in (-1, 1)
-    ]
+    box_ = pair(block((length, rail * 0.7, height), 0.003), y=(width - rail * 0.7) / 2) + pair(
+        block((rail * 0.7, width - 1.4 * rail - 0.0002, height), 0.003), x=(length - side[2, 0]) / 2
+    )
     inner_l, inner_w = length - 1.4 * rail, width - 1.4 * rail
     bars = []
     for share in (0.16, 0.5, 0.84):
@@ -227,7 +223,7 @@ def slats(size_m: Size) -> tuple[Part, ...]:
     radius, height = size_m[0] / 2, size_m[2]
     count = 26
     slat = block((0.05, 0.007, height - 0.012), 0.0015).moved(x=radius - 0.025)
-    fins = [slat.turned("z", 360.0 * index / count) for index in range(count)]
+    fins = ring_of(slat, count)
     core = cylinder(radius - 0.055, height - 0.03, 0.006, 32).moved(z=0.014)
     hoop = hollow([(radius - 0.012, 0.0), (radius - 0.012, 0.012)], 0.03, 48)
     plate = cylinder(radius, 0.012, 0.002, 48).moved(z=height - 0.012)

@@ -21,6 +21,7 @@ from chord_usd.library.kit.solids import (
     cylinder,
     joined,
     lathe,
+    ring_of,
     tube,
 )
 
@@ -115,7 +116,7 @@ def woven(size_m: Size) -> tuple[Part, ...]:
         *arc((radius * 0.7, tall * 0.69), (radius * 0.4, tall * 0.94), (0.03, tall), 4),
     ]
     path = np.array([[r, 0.0, z] for r, z in bell])
-    ribs = [tube(path[::2], 0.003, 4).turned("z", 360.0 * i / 36) for i in range(36)]
+    ribs = ring_of(tube(path[::2], 0.003, 4), 36)
     rings = [
         hollow([(r + 0.006, z - 0.005), (r + 0.006, z + 0.005)], 0.012, 28)
         for r, z in (bell[0], bell[3], bell[6], bell[9])
@@ -302,7 +303,7 @@ def slatted(size_m: Size) -> tuple[Part, ...]:
     radius, height = size_m[0] / 2, size_m[2]
     tall, count = radius * 1.25, 30
     slat = block((0.008, 0.006, tall), 0.0015).moved(x=radius - 0.006)
-    fins = [slat.turned("z", 360.0 * i / count) for i in range(count)]
+    fins = ring_of(slat, count)
     hoops = [
         hollow([(radius - 0.01, z), (radius - 0.01, z + 0.012)], 0.008, 40)
         for z in (tall * 0.08, tall * 0.92 - 0.012)

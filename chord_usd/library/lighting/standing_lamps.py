@@ -16,12 +16,14 @@ from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
+    at_corners,
     bent_path,
     block,
     box,
     cylinder,
     joined,
     lathe,
+    pair,
     tube,
 )
 
@@ -242,11 +244,7 @@ def column(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     post = 0.018
     at_x, at_y = (length - post) / 2, (width - post) / 2
-    posts = [
-        block((post, post, height), 0.002).moved(sx * at_x, sy * at_y)
-        for sx in (-1, 1)
-        for sy in (-1, 1)
-    ]
+    posts = at_corners(block((post, post, height), 0.002), at_x, at_y)
     rails = []
     for z in (0.1, 0.36, 0.62, 0.88):
         for s in (-1, 1):
@@ -267,18 +265,14 @@ def column(size_m: Size) -> tuple[Part, ...]:
         rails.append(
             block((0.007, 0.007, 0.78 * height), 0.001).moved(x=s * at_x, z=0.1 * height + 0.002)
         )
-    walls = [
-        block((length - 2 * post + 0.006, 0.002, 0.78 * height), 0.0005).moved(
-            y=s * (at_y - 0.006), z=0.105 * height
-        )
-        for s in (-1, 1)
-    ]
-    walls += [
-        block((0.002, width - 2 * post - 0.004, 0.78 * height), 0.0005).moved(
-            x=s * (at_x - 0.006), z=0.105 * height
-        )
-        for s in (-1, 1)
-    ]
+    walls = pair(
+        block((length - 2 * post + 0.006, 0.002, 0.78 * height), 0.0005).moved(z=0.105 * height),
+        y=at_y - 0.006,
+    )
+    walls += pair(
+        block((0.002, width - 2 * post - 0.004, 0.78 * height), 0.0005).moved(z=0.105 * height),
+        x=at_x - 0.006,
+    )
     return (
         Part("Frame", joined([*posts, *rails]), "wood"),
         Part("Paper", joined(walls), "paper", None),

@@ -16,10 +16,12 @@ from chord_usd.library.kit.joinery import felt_round
 from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
+    at_corners,
     block,
     cylinder,
     joined,
     lathe,
+    pair,
     rounded_profile,
     tube,
 )
@@ -180,11 +182,7 @@ def andon(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     post = 0.012
     at_x, at_y = (length - post) / 2, (width - post) / 2
-    posts = [
-        block((post, post, height), 0.0015).moved(sx * at_x, sy * at_y)
-        for sx in (-1, 1)
-        for sy in (-1, 1)
-    ]
+    posts = at_corners(block((post, post, height), 0.0015), at_x, at_y)
     rails = []
     for _index, share in enumerate((0.1, 0.52, 0.9)):
         for s in (-1, 1):
@@ -200,14 +198,12 @@ def andon(size_m: Size) -> tuple[Part, ...]:
             )
     tall = 0.8 * height
     z = 0.102 * height
-    walls = [
-        block((length - 2 * post + 0.004, 0.0016, tall), 0.0004).moved(y=s * (at_y - 0.005), z=z)
-        for s in (-1, 1)
-    ]
-    walls += [
-        block((0.0016, width - 2 * post - 0.003, tall), 0.0004).moved(x=s * (at_x - 0.005), z=z)
-        for s in (-1, 1)
-    ]
+    walls = pair(
+        block((length - 2 * post + 0.004, 0.0016, tall), 0.0004).moved(z=z), y=at_y - 0.005
+    )
+    walls += pair(
+        block((0.0016, width - 2 * post - 0.003, tall), 0.0004).moved(z=z), x=at_x - 0.005
+    )
     base = block((length - post, width - post, 0.01), 0.001).moved(z=0.1 * height - 0.006)
     return (
         Part("Frame", joined([*posts, *rails]), "wood"),

@@ -20,6 +20,7 @@ from chord_usd.library.kit.solids import (
     cylinder,
     joined,
     lathe,
+    pair,
     rounded_slab,
     tube,
 )
@@ -86,12 +87,10 @@ def up_down(size_m: Size) -> tuple[Part, ...]:
     wall = 0.006
     front = block((length, wall, height), 0.002).moved(y=-width / 2 + wall / 2)
     back = block((length, 0.02, height), 0.002).moved(y=width / 2 - 0.01)
-    sides = [
-        block((wall, width - 0.02, height - 0.001), 0.0015).moved(
-            s * (length - wall) / 2, -0.007, 0.0005
-        )
-        for s in (-1, 1)
-    ]
+    sides = pair(
+        block((wall, width - 0.02, height - 0.001), 0.0015).moved(y=-0.007, z=0.0005),
+        x=(length - wall) / 2,
+    )
     glow = block((length - 0.01, width - 0.024, height - 0.024), 0.003).moved(y=-0.006, z=0.012)
     return (
         Part("Case", joined([front, back, *sides]), "metal", None),
@@ -158,7 +157,7 @@ def washi(size_m: Size) -> tuple[Part, ...]:
     """Paper behind a wooden lattice, a low box on the wall."""
     length, width, height = size_m
     rail = 0.016
-    frame = [block((rail, width, height), 0.002).moved(x=s * (length - rail) / 2) for s in (-1, 1)]
+    frame = pair(block((rail, width, height), 0.002), x=(length - rail) / 2)
     frame += [
         block((length - 2 * rail + 0.002, width - 0.002, rail), 0.002).moved(z=z)
         for z in (0.0, height - rail)

@@ -20,6 +20,7 @@ from chord_usd.library.kit.solids import (
     cylinder,
     joined,
     lathe,
+    pair,
     rounded_slab,
     tube,
 )
@@ -239,7 +240,7 @@ def alarm_clock(size_m: Size) -> tuple[Part, ...]:
     snooze = rounded_slab((length * 0.34, width * 0.36, 0.006), 0.01, 0.002, 5).moved(
         y=0.004, z=height - 0.006
     )
-    feet = [cylinder(0.008, 0.004, 0.001, 12).moved(sx * length * 0.36, 0.0) for sx in (-1, 1)]
+    feet = pair(cylinder(0.008, 0.004, 0.001, 12), x=length * 0.36)
     return (
         Part("Case", body.moved(z=0.002), "cloth", felt=(box((length, width, height)),)),
         Part("Face", face, "bezel", collider=None),

@@ -18,11 +18,13 @@ from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
+    at_corners,
     block,
     box,
     cylinder,
     joined,
     lathe,
+    pair,
     rounded_slab,
     tube,
 )
@@ -274,13 +276,11 @@ def lantern(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     bar, foot = 0.009, 0.012
     top = height * 0.78
-    posts = [
-        block((bar, bar, top - foot), 0.001).moved(
-            sx * (length / 2 - bar), sy * (width / 2 - bar), foot - 0.001
-        )
-        for sx in (-1, 1)
-        for sy in (-1, 1)
-    ]
+    posts = at_corners(
+        block((bar, bar, top - foot), 0.001).moved(z=foot - 0.001),
+        length / 2 - bar,
+        width / 2 - bar,
+    )
     base = block((length, width, foot), 0.002)
     roof = lofted(
         [
@@ -308,18 +308,12 @@ def lantern(size_m: Size) -> tuple[Part, ...]:
     )
     scale = (height - top - height * 0.12) / 0.0225
     loop = loop.moved(z=-(top + height * 0.12)).scaled(1.0, 1.0, scale).moved(z=top + height * 0.12)
-    panes = [
-        box((length - 2 * bar, 0.002, top - foot - 0.01)).moved(
-            y=s * (width / 2 - bar), z=foot - 0.001
-        )
-        for s in (-1, 1)
-    ]
-    panes += [
-        box((0.002, width - 2 * bar, top - foot - 0.01)).moved(
-            x=s * (length / 2 - bar), z=foot - 0.001
-        )
-        for s in (-1, 1)
-    ]
+    panes = pair(
+        box((length - 2 * bar, 0.002, top - foot - 0.01)).moved(z=foot - 0.001), y=width / 2 - bar
+    )
+    panes += pair(
+        box((0.002, width - 2 * bar, top - foot - 0.01)).moved(z=foot - 0.001), x=length / 2 - bar
+    )
     wax = cylinder(length * 0.24, height * 0.3, 0.003, 24).moved(z=foot - 0.001)
     return (
         Part(

@@ -20,6 +20,7 @@ from chord_usd.library.kit.solids import (
     joined,
     lathe,
     loft,
+    pair,
     rounded_slab,
     tube,
 )
@@ -238,13 +239,9 @@ def _cube(r: float, h: float) -> Pot:
     outer = rounded_slab((side, side, h - 0.0), 0.012, 0.004, 3)
     inner = block((side - 0.03, side - 0.03, 0.02), 0.002).moved(z=h - 0.014)
     # A low wall around the soil: four boards rather than a hollow cube.
-    walls = [
-        block((side, 0.016, 0.03), 0.003).moved(y=s * (side - 0.016) / 2, z=h - 0.028)
-        for s in (-1, 1)
-    ] + [
-        block((0.016, side - 0.03, 0.0295), 0.003).moved(x=s * (side - 0.016) / 2, z=h - 0.028)
-        for s in (-1, 1)
-    ]
+    walls = pair(block((side, 0.016, 0.03), 0.003).moved(z=h - 0.028), y=(side - 0.016) / 2) + pair(
+        block((0.016, side - 0.03, 0.0295), 0.003).moved(z=h - 0.028), x=(side - 0.016) / 2
+    )
     body = outer.scaled(1.0, 1.0, (h - 0.022) / h)
     soil = Part("Soil", inner.moved(z=-0.014), "soil", None)
     return Pot(

@@ -23,6 +23,7 @@ from chord_usd.library.kit.solids import (
     lathe,
     loft,
     mirrored_pair,
+    pair,
     ring,
     rounded_slab,
     soft_block,
@@ -120,7 +121,7 @@ def _timber_frame(length: float, width: float, height: float) -> tuple[Part, ...
         post = post.moved(sx * side, sy * (width / 2 - 0.035))
         legs.append(Part(f"Leg_{number}", post, "leg"))
     rest = rounded_slab((0.09, width - 0.09, 0.026), 0.012, 0.006).moved(z=arm_z - 0.004)
-    rests = [rest.moved(s * (length / 2 - 0.045), -0.03) for s in (-1, 1)]
+    rests = pair(rest.moved(y=-0.03), x=length / 2 - 0.045)
     deck = block((length - 0.09, width - 0.08, 0.05), 0.004).moved(z=_BASE_TOP_M - 0.06)
     rails = [block((length - 0.06, 0.024, 0.06), 0.004).moved(y=width / 2 - 0.035, z=z)
              for z in (height - 0.17, _BASE_TOP_M + 0.08)]  # fmt: skip

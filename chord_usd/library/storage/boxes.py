@@ -16,6 +16,7 @@ from chord_usd.library.kit.solids import (
     cylinder,
     extruded,
     joined,
+    pair,
     tube,
 )
 from chord_usd.library.plants.leaves import woven_skin
@@ -86,7 +87,7 @@ def wooden_box(size_m: Size) -> tuple[Part, ...]:
     x0 = float(end.bounds_m().mean(axis=0)[0])
     ends = [end.moved(x=s * (length - t) / 2 - x0) for s in (-1, 1)]
     floor = block((length - 2 * t + 0.002, width - 2 * t + 0.002, 0.008), 0.001).moved(z=0.004)
-    sides = [long.moved(y=s * (width - t) / 2) for s in (-1, 1)]
+    sides = pair(long, y=(width - t) / 2)
     return (
         Part(
             "Boards", joined([*sides, *ends, floor]), "wood", felt=(box((length, width, height)),)

@@ -24,6 +24,8 @@ from chord_usd.library.kit.solids import (
     cylinder,
     joined,
     lathe,
+    pair,
+    ring_of,
     rounded_slab,
     tube,
 )
@@ -82,7 +84,7 @@ def round_basket(size_m: Size, *, has_throw: bool = False, belly: float = 1.0) -
     ]
     wall = woven_skin(profile, 0.01, 0.02, strands=38, rows=11)
     rim = hollow([(r * 0.925, top - 0.016), (r * 0.94, top - 0.007), (r * 0.925, top)], 0.016, 40)
-    ears = [_ear(0.12, 0.066, 0.0075).moved(s * (r * 0.92), 0.0, top) for s in (-1, 1)]
+    ears = pair(_ear(0.12, 0.066, 0.0075).moved(z=top), x=r * 0.92)
     parts = [
         Part("Wall", wall, "weave", felt=(cylinder(r * 0.95, top),)),
         Part("Rim", joined([rim, *ears]), "weave", None),
@@ -151,7 +153,7 @@ def wire_basket(size_m: Size) -> tuple[Part, ...]:
     bow = np.array(
         [[r * 0.7, 0.0, wire], [r * 0.8, 0.0, 0.02], [r * 0.93, 0, top * 0.55], [r, 0, top]]
     )
-    ribs = [tube(bow, wire, 5).turned("z", 360.0 * i / 28) for i in range(28)]
+    ribs = ring_of(tube(bow, wire, 5), 28)
     hoops = [
         hollow([(x + 0.003, z), (x + 0.003, z + 0.006)], 0.006, 36)
         for x, z in ((r * 0.7, 0.0), (r * 0.87, top * 0.3), (r * 0.95, top * 0.64), (r, top))
@@ -253,7 +255,7 @@ def slat_bin(size_m: Size) -> tuple[Part, ...]:
     length, _width, height = size_m
     r, count = length / 2, 30
     slat = block((0.008, 2 * math.pi * r / count * 0.8, height), 0.002).moved(x=r - 0.004)
-    slats = [slat.turned("z", 360.0 * i / count) for i in range(count)]
+    slats = ring_of(slat, count)
     pail = cup([(0.0, 0.0), (r - 0.012, 0.0), (r - 0.0085, height - 0.012)], 0.003, 0.01, 36).moved(
         z=0.004
     )

@@ -27,6 +27,7 @@ from chord_usd.library.kit.solids import (
     box,
     joined,
     mirrored_pair,
+    pair,
     rounded_slab,
 )
 from chord_usd.library.storage.cabinets import (
@@ -70,11 +71,9 @@ def hutch(size_m: Size) -> tuple[Part, ...]:
     upper_h = height - low - top - 0.011
     shell = [
         block((length - 0.01, 0.012, upper_h)).moved(y=width / 2 - 0.008, z=low + 0.01),
-        *(
-            block((BOARD_M, depth - 0.01, upper_h)).moved(
-                s * (length - 0.03) / 2, width / 2 - depth / 2, low + 0.01
-            )
-            for s in (-1, 1)
+        *pair(
+            block((BOARD_M, depth - 0.01, upper_h)).moved(y=width / 2 - depth / 2, z=low + 0.01),
+            x=(length - 0.03) / 2,
         ),
         *(
             block((length - 0.05, depth - 0.02, BOARD_M)).moved(y=width / 2 - depth / 2, z=z)

@@ -16,6 +16,7 @@ from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
+    at_corners,
     block,
     box,
     cylinder,
@@ -65,11 +66,7 @@ def umbrella_stand(size_m: Size, *, kind: str = "cylinder") -> tuple[Part, ...]:
     if kind == "frame":
         bar = 0.012
         side = 2 * r
-        posts = [
-            block((bar, bar, tall), 0.002).moved(sx * (side - bar) / 2, sy * (side - bar) / 2)
-            for sx in (-1, 1)
-            for sy in (-1, 1)
-        ]
+        posts = at_corners(block((bar, bar, tall), 0.002), (side - bar) / 2, (side - bar) / 2)
         rails = []
         for z in (tall - bar, tall * 0.55, 0.03):
             for s in (-1, 1):

@@ -8,7 +8,17 @@ import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.library.kit.model import Part
-from chord_usd.library.kit.solids import Size, Solid, block, box, cylinder, joined, tube, welded
+from chord_usd.library.kit.solids import (
+    Size,
+    Solid,
+    block,
+    box,
+    cylinder,
+    joined,
+    pair,
+    tube,
+    welded,
+)
 
 _SLAT_EACH_M = 0.04
 
@@ -20,10 +30,9 @@ def roller(size_m: Size) -> tuple[Part, ...]:
     y, z = width / 2 - 0.026, height - 0.026
     roll = cylinder(radius, length - 0.034, 0.0, 24).moved(z=-(length - 0.034) / 2)
     plate = block((0.004, min(0.05, width - 0.002), 0.052), 0.001)
-    plates = joined([
-        plate.moved(s * (length - 0.004) / 2, y if width > 0.05 else 0.0, height - 0.052)
-        for s in (-1, 1)
-    ])  # fmt: skip
+    plates = joined(
+        pair(plate.moved(y=y if width > 0.05 else 0.0, z=height - 0.052), x=(length - 0.004) / 2)
+    )
     front = y - radius
     hem_m = 0.02
     sheet = _sheet(length - 0.04, front, hem_m * 0.5, z)

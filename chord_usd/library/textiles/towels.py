@@ -10,7 +10,7 @@ import numpy as np
 from chord_usd.base.scene.types import FloatArray, frozen_array
 from chord_usd.library.cloth.stored import Cloth, stored
 from chord_usd.library.kit.model import Part
-from chord_usd.library.kit.solids import Size, Solid, block, cylinder, joined, tube
+from chord_usd.library.kit.solids import Size, Solid, block, cylinder, joined, pair, tube
 
 _BAR_M = 0.009
 _SIDE_M = (0.02, 0.038)
@@ -61,7 +61,7 @@ def _brackets(length: float, back: float, y: float, z: float) -> Solid:
     foot = cylinder(0.022, 0.008, 0.002, 18).turned("x", 90).moved(y=back, z=z)
     arm = tube([[0, back - 0.004, z], [0, y, z]], 0.007, 10)
     side = length / 2 - 0.02
-    return joined([(foot + arm).moved(s * side) for s in (-1, 1)])
+    return joined(pair(foot + arm, x=side))
 
 
 def _towel_parts(towels: list[Cloth], y: float, z: float) -> tuple[Part, ...]:
@@ -78,7 +78,7 @@ def ladder(size_m: Size) -> tuple[Part, ...]:
     post, bar = 0.016, 0.011
     y = -width / 2 + 0.055
     side = length / 2 - post
-    posts = [cylinder(post, height, 0.003, 16).moved(s * side, y) for s in (-1, 1)]
+    posts = pair(cylinder(post, height, 0.003, 16).moved(y=y), x=side)
     steps = [0.06 + 0.062 * i for i in range(int((height - 0.12) / 0.062) + 1)]
     levels = [z for i, z in enumerate(steps) if i % 6 != 5]
     bars = [
