@@ -77,6 +77,15 @@ def test_a_house_of_procthor_gets_walls_and_keeps_its_pieces_in_their_rooms() ->
         assert room_polygon(house.plan.room(item.room_id)).intersects(footprint_polygon(item.box))
 
 
+def test_a_floor_of_endless_triangles_is_refused() -> None:
+    """300,000 of them took minutes to join."""
+    house = front_house()
+    (floor,) = house["mesh"]
+    floor["faces"] *= 3000
+    with pytest.raises(SceneError, match="triangles"):
+        house_from_record(house, MODELS)
+
+
 def test_fronts_of_procthor_look_where_unity_turns_them() -> None:
     bed, _, toilet = house_from_record(procthor_house(), SIZES).items
     assert np.allclose(front_direction(bed.box.yaw_deg), (0.0, -1.0), atol=1e-9)

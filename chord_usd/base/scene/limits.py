@@ -21,6 +21,9 @@ MOST_CORNERS = 1000
 
 MOST_CORNERS_IN_ALL = 20_000
 
+MOST_FLOOR_TRIANGLES = 5000
+"""Of the floor of one room, as others' data sets have it: they are joined into an outline."""
+
 MOST_OPENINGS = 10_000
 """Doors, windows and passages."""
 

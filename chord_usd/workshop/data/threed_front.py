@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from shapely.geometry.polygon import orient
 from chord_usd.base.errors import SceneError
 from chord_usd.base.runtime.json_lines import read_lines
 from chord_usd.base.runtime.json_text import parse_json
+from chord_usd.base.scene.limits import MOST_FLOOR_TRIANGLES
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import (
     Box,
@@ -127,8 +129,14 @@ def _floor(meshes: Sequence[Mapping[str, Any]]) -> FloatArray | None:
 def outline_of(triangles: Iterable[FloatArray]) -> FloatArray | None:
     """(N, 2) the outline of a floor, metres, our axes; None where there is none worth the name.
 
-    triangles: (3, 3) corners each, in 3D-FRONT's axes.
+    triangles: (3, 3) corners each, in 3D-FRONT's axes; at most MOST_FLOOR_TRIANGLES. Raises
+    SceneError.
     """
+    triangles = list(islice(triangles, MOST_FLOOR_TRIANGLES + 1))
+    if len(triangles) > MOST_FLOOR_TRIANGLES:
+        raise SceneError(
+            "a floor has too many triangles", expected=f"at most {MOST_FLOOR_TRIANGLES:,}"
+        )
     shapes = [Polygon(corners[:, [0, 2]] * (1.0, -1.0)) for corners in triangles]
     # Meshes of one floor meet in tiny slits.
     area = unary_union([t.buffer(1e-4, join_style="mitre") for t in shapes if t.area > 1e-6])
