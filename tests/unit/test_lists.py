@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from chord_usd.base.metrics import score_scene
 from chord_usd.base.metrics.complete import homely_rooms, lacking
-from chord_usd.base.metrics.design.price import conflicts
+from chord_usd.base.metrics.design.price import broken_share, conflicts, tight
 from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.violations import room_faults
@@ -33,6 +33,7 @@ from chord_usd.base.scene.types import (
 from chord_usd.line.lists import pieces
 from chord_usd.line.lists.home_programme import programme_of
 from chord_usd.line.lists.house import Drafts, furnish_by_lists
+from chord_usd.line.lists.improve import improved
 from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Drawn, ListDrawer, Subject
 from chord_usd.line.lists.mend import mended
 from chord_usd.line.lists.pieces import PIECES
@@ -323,7 +324,26 @@ def test_the_draft_that_breaks_fewest_rules_is_taken() -> None:
     for order in (("under", "beside"), ("beside", "under")):
         ranking = Ranking(SceneGraph((room,), openings, ()), [room], [Asked()])
         ranking.weigh({0: [[beds[name]] for name in order]})
-        assert list(ranking.chosen()) == [beds["beside"]]
+        assert beds["beside"].box in [item.box for item in ranking.chosen()]
+
+
+def test_a_chosen_draft_keeps_more_rules_and_gets_no_tighter() -> None:
+    """A wardrobe of 1 m for two sleepers, with free wall beside it, and one bedside table."""
+    corners = frozen_array([(0, 0), (4.5, 0), (4.5, 4), (0, 4)])
+    room = Room("room", "bedroom", corners)
+    boxes = {
+        "bed": Box((2.2, 2.95, 0.0), (1.6, 2.1, 1.0), 0.0),
+        "bedside_table": Box((1.15, 3.8, 0.0), (0.5, 0.4, 0.5), 0.0),
+        "cabinet": Box((1.0, 0.3, 0.0), (1.0, 0.6, 2.15), 180.0),
+    }
+    items = tuple(Item(f"room/{name}_0", name, box, "room") for name, box in boxes.items())
+    before = View(shells((room,), ())["room"], items)
+    after = improved(before, lambda _: 0.0, "")
+    assert broken_share(before) > broken_share(after) == 0.0
+    assert tight(before) == tight(after) == 0
+    assert len(after.of("bedside_table")) == 2
+    assert sum(after.length[after.of("cabinet")]) >= 2.0 - 0.01
+    assert after.items[after.of("bed")[0]].box == boxes["bed"]
 
 
 def test_a_step_into_a_wall_or_another_piece_is_mended() -> None:

@@ -22,7 +22,7 @@ from chord_usd.base.metrics.clear_floor import ClearFloor, clearances
 from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.scene.geometry import footprint, room_polygon
-from chord_usd.base.scene.palette import CATEGORIES, Mount
+from chord_usd.base.scene.palette import CATEGORIES, Category, Mount
 from chord_usd.base.scene.types import ROOM_KINDS, Box, FloatArray, Item, Opening, Room, SceneGraph
 from chord_usd.base.scene.units import rotation_2d, wrap_deg
 from chord_usd.line.lists.vocabulary import Element, Floats, Ints, Vocabulary
@@ -50,6 +50,9 @@ CATEGORY_ORDER = (
 
 KITCHEN_RUN = tuple(name for name in CATEGORY_ORDER if name in KITCHEN_UNITS)
 """Told along the walls: each unit begins where the last one ends."""
+
+WARDROBE_DEPTH_M, TALL_M, CHEST_M = 0.475, 2.15, 0.9
+"""A cabinet at least so deep gets a mesh about so high, another one that of a chest."""
 
 SEGMENT_KINDS = (
     "wall", "door", "window", "low window", "passage", "open side",
@@ -421,9 +424,16 @@ def _box(element: Element, around: Around) -> Box | None:
     row = CATEGORIES[CATEGORY_ORDER[element.category]]
     x_m, y_m = around.frame.world(middle)
     base_m = row.mount_height_m if row.mount is Mount.WALL else 0.0
-    height_m = round(sum(row.height_m) / 2, 2)
+    height_m = _height_m(row, float(deep))
     yaw_deg = wrap_deg(yaw * YAW_STEP_DEG + around.frame.yaw_deg)
     return Box((float(x_m), float(y_m), base_m), (float(long), float(deep), height_m), yaw_deg)
+
+
+def _height_m(row: Category, deep_m: float) -> float:
+    """The usual height. Of a cabinet its depth tells it: wardrobes are deep, chests are not."""
+    if row.name == "cabinet":
+        return TALL_M if deep_m >= WARDROBE_DEPTH_M else CHEST_M
+    return round(sum(row.height_m) / 2, 2)
 
 
 def _on_lines(bounds: Ints, around: Around) -> FloatArray:

@@ -3,8 +3,9 @@ as a home."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from chord_usd.base.metrics.complete import lacking
 from chord_usd.base.metrics.design.price import full_price, home_price, quick_price
@@ -12,6 +13,7 @@ from chord_usd.base.metrics.design.shell import Shell, shells
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.scene.types import Item, Room, SceneGraph
+from chord_usd.line.lists.improve import improved
 from chord_usd.line.lists.mend import mended
 from chord_usd.line.lists.wishes import Asked
 
@@ -109,7 +111,26 @@ class Ranking:
             own = [draft for draft in own if draft.missing == own[0].missing]
             costs = [draft.price + home_price(self._home({**chosen, at: draft})) for draft in own]
             chosen[at] = own[costs.index(min(costs))]
+        front = self._standing.entrance.id if self._standing.entrance else ""
+        for at in sorted(chosen):
+            asked, draft = self.wishes[at], chosen[at]
+            if not (asked.wanted or asked.kept or asked.excluded):
+                view = improved(draft.view, partial(self._home_with, chosen, at), front)
+                chosen[at] = replace(draft, view=view, items=tuple(numbered(view.items)))
         return (item for at in sorted(chosen) for item in chosen[at].items)
+
+    def _home_with(self, chosen: Mapping[int, Draft], at: int, view: View) -> float:
+        """What the home costs with another draft of a room."""
+        return home_price(self._home({**chosen, at: replace(chosen[at], view=view)}))
+
+
+def numbered(items: Iterable[Item]) -> Iterator[Item]:
+    """The pieces of a room under ids that count each category from 0."""
+    counts: dict[str, int] = {}
+    for item in items:
+        number = counts.get(item.category, 0)
+        counts[item.category] = number + 1
+        yield replace(item, id=f"{item.room_id}/{item.category}_{number}")
 
 
 def _key(draft: Draft) -> tuple[int, float]:

@@ -269,12 +269,15 @@ def mend_rooms(
     settle: Settle | None = None,
     progress: Progress | None = None,
 ) -> Mended:
-    """The house with those rooms drawn again that have faults; what has fewer of them is kept.
+    """The house with those rooms drawn again that have faults; what costs less by planning rules
+    and faults (metrics.design.price) is kept.
 
     graph: as read reads it in layout, which was drawn over plan_image. times: draws of a room that
     has faults; one that lacks what it shall hold is drawn WISH_DRAWS times at least, around pieces
     of lists, which have no meshes. settle: what is done to a draw before its faults are looked at.
     """
+    from chord_usd.base.metrics.design.price import house_price
+
     later: dict[str, None] = {}
     out: dict[str, str] = {}
 
@@ -284,6 +287,7 @@ def mend_rooms(
     painted, graph = graph, settled(graph)
     out |= _gone(painted, graph)
     faults = faults_by_room(graph, draw)
+    least = house_price(graph, faults)
     for attempt in range(1, max(times, WISH_DRAWS if draw.asked else 0) + 1):
         wrong = set(faults) if attempt <= times else set(draw.lacking(graph))
         rooms = [room for room in graph.rooms if room.id in wrong]
@@ -301,8 +305,10 @@ def mend_rooms(
                 painted = with_furniture(new, room, found.items_of(room.id), given)
                 new = settled(painted)
                 left = faults_by_room(new, draw)
-                if sum(left.values()) < sum(faults.values()):
-                    graph, layout, faults = new, _pasted(layout, drawn.layout, room), left
+                price = house_price(new, left)
+                if price < least:
+                    graph, layout, faults = new, pasted(layout, drawn.layout, room), left
+                    least = price
                     later[room.id] = None
                     out = {one: at for one, at in out.items() if at != room.id}
                     out |= _gone(painted, new)
@@ -474,7 +480,7 @@ def _drawn_together(rooms: Sequence[Room]) -> list[list[Room]]:
     return list(rooms_by_direction(rooms).values())
 
 
-def _pasted(layout: LayoutImage, other: LayoutImage, room: Room) -> LayoutImage:
+def pasted(layout: LayoutImage, other: LayoutImage, room: Room) -> LayoutImage:
     """The layout with the floor of a room as another one of the same frame has it."""
     floor = canvas.room_pixels(room, layout.frame)
     rgb = np.where(floor[..., None], other.rgb, layout.rgb)

@@ -26,6 +26,7 @@ from chord_usd.base.scene.storeys import Building, Storey, stack, storey_title
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph, StageFile
 from chord_usd.line.pipeline import steps
+from chord_usd.line.pipeline.as_listed import as_listed
 from chord_usd.line.pipeline.loading import Models, load_models, with_networks
 from chord_usd.line.pipeline.redraw import Draw, Mended, arrange_drawn, mend_rooms
 
@@ -176,6 +177,10 @@ def redraw(made: FurnishedStorey, progress: Progress) -> None:
 
     settings, draw, models = made.settings, made.draw, made.models
     leave_out = partial(arrange_drawn, draw=draw) if settings.arrange else None
+    if made.listed is not None and leave_out is not None:
+        made.graph, made.layout = as_listed(
+            made.graph, made.listed, made.layout, made.plan_image, draw, leave_out
+        )
     made.mended = mend_rooms(
         made.graph, made.layout, made.plan_image, models.layout, models.reader.read, draw,
         times=settings.redraws, settle=leave_out, progress=progress,

@@ -6,14 +6,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
 from chord_usd.base.metrics.design.shell import TOUCH_M, inside
-from chord_usd.base.metrics.design.view import HomeView, View, distances
+from chord_usd.base.metrics.design.view import HomeView, View, distances, view_home
 from chord_usd.base.metrics.overlap import overlaps_by_nature
-from chord_usd.base.scene.palette import CATEGORIES
-from chord_usd.base.scene.types import FloatArray
+from chord_usd.base.scene.types import FloatArray, SceneGraph
 
 FAULT = 4.0
 """Of violations.room_faults, beside a share of rules: it counts per piece."""
@@ -52,8 +53,7 @@ def conflicts(view: View) -> FloatArray:
         if overlaps_by_nature(items[at], items[other]):
             deep[at, other] = 0.0
     blocks = view.rects.depths(shell.clear)
-    lows = np.array([CATEGORIES[name].height_m[0] for name in view.categories])
-    blocks[lows[:, None] <= shell.clear_from_m] = 0.0
+    blocks[view.height[:, None] <= shell.clear_from_m + TOUCH_M] = 0.0
     each = (deep.max(axis=1), blocks.max(axis=1, initial=0.0), beyond_walls(view))
     return np.stack(each, axis=1)
 
@@ -78,3 +78,16 @@ def quick_price(view: View) -> float:
 def full_price(view: View, fault: float) -> float:
     """What a room costs. fault: of violations.room_faults."""
     return quick_price(view) + FAULT * fault
+
+
+def room_prices(graph: SceneGraph, faults: Mapping[str, float]) -> dict[str, float]:
+    """What each room of a house costs, by id. faults: of violations.room_faults, by room id."""
+    return {
+        room.shell.room.id: broken_share(room) + FAULT * faults.get(room.shell.room.id, 0.0)
+        for room in view_home(graph).rooms
+    }
+
+
+def house_price(graph: SceneGraph, faults: Mapping[str, float]) -> float:
+    """What a house costs."""
+    return sum(room_prices(graph, faults).values()) + home_price(view_home(graph))
