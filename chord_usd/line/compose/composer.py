@@ -27,6 +27,8 @@ HEIGHT_M = 0.87
 LEAST_HEIGHT_M = 0.8
 """Of a worktop below a low window."""
 _NOTHING = (0, 0.0)
+_MOST_APART = 16.0
+"""Cost of a kitchen beside the cheapest: no more than a number or two."""
 _EACH = 8
 """Shapes looked at for each kitchen that is judged by all rules."""
 
@@ -59,6 +61,8 @@ def compose(
     stood_on = shapely.union_all([footprint_polygon(item.box) for item in stays])
     floor = room_polygon(room).difference(stood_on)
     options = cheapest(site, wanted, rng, DEPTHS_M)[: 1 + effort // _EACH]
+    # All rules weigh nearly the same there: a cooker at the end of its run is worse than that.
+    options = [one for one in options if one.cost < options[0].cost + _MOST_APART]
     best: tuple[tuple[int, float], list[Unit]] | None = None
     for found in options:
         units = units_of(found, wanted, rng)

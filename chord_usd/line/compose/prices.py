@@ -41,7 +41,7 @@ SMALL_M2 = 5.0
 """In smaller rooms only what SMALL names is asked for in full."""
 
 PRICE = {
-    "cooker between worktops": 8.0, "cooker beside 40": 3.0, "sink beside 45": 5.0,
+    "cooker between worktops": 12.0, "cooker beside 40": 3.0, "sink beside 45": 5.0,
     "sink beside 60": 4.0, "preparation": 4.0, "plain": 4.0, "worktop": 4.0, "aisle": 5.0,
     "narrow aisle": 9.0, "legs": 3.0, "least leg": 5.0, "cooker below a window": 8.0,
     "sink at a window": 4.5, "cooker at a door": 6.0, "cooker in a corner": 5.0,
