@@ -248,6 +248,7 @@ def test_two_runs_into_one_folder_leave_whole_pictures(house, tmp_path):
     ]  # fmt: skip
 
 
+@pytest.mark.acceptance
 def test_a_packed_house_looks_as_its_files_do(
     staged_house: Path, staged_graph: SceneGraph, looks_of: LooksOf, tmp_path: Path
 ) -> None:
