@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import cast
 
 import numpy as np
@@ -25,6 +26,7 @@ from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.styles import STYLES
 from chord_usd.base.scene.types import (
     ROOM_HEIGHT_M,
+    Asset,
     Box,
     Item,
     Opening,
@@ -34,7 +36,10 @@ from chord_usd.base.scene.types import (
     SceneGraph,
     frozen_array,
 )
+from chord_usd.library.database import AssetDatabase
+from chord_usd.line.dressing.draws import Draws
 from chord_usd.line.dressing.dress import dress
+from chord_usd.line.dressing.stock import Stock
 from chord_usd.workshop.data.furnish import furnish
 from chord_usd.workshop.data.houses import random_plan
 from tests.dressing_stock import stock_of_boxes
@@ -353,3 +358,18 @@ def test_nothing_stands_across_an_open_border(style: str) -> None:
     graph = dress(SceneGraph(rooms, ways, ()), STOCK, STYLES[style], 0)
     assert "floor_plant" in {item.category for item in graph.dressing}
     assert not list(shut_borders(graph))
+
+
+def test_an_own_asset_without_the_tag_replaces_no_shipped_one_that_has_it() -> None:
+    """Curtains that nobody has called open or drawn leave the window its shipped ones."""
+    size_m = (0.4, 0.1, 2.4)
+    mine, shipped = (
+        Asset(name, "curtain", size_m, Path(f"{name}.usda"), tags=tags)
+        for name, tags in (("Mine", ()), ("Shipped", ("open",)))
+    )
+    stock = Stock(AssetDatabase((mine, shipped), own=frozenset(["Mine"])), "modern", Draws(0))
+    assert stock.offered("curtain") == (mine,)
+    assert stock.offered("curtain", "open") == (shipped,)
+    tagged = replace(mine, tags=("open",))
+    stock = Stock(AssetDatabase((tagged, shipped), own=frozenset(["Mine"])), "modern", Draws(0))
+    assert stock.offered("curtain", "open") == (tagged,)

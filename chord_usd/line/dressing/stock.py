@@ -32,23 +32,25 @@ class Stock:
         """Assets of a category in forms that suit the style, or in any where none does.
 
         tag: one that they carry (library.database.TAGS). Assets of the user's own go before
-        shipped ones. None for a category that the palette does not know.
+        shipped ones, unless none of them carries the tag. None for a category that the palette
+        does not know.
         """
         if category not in self._offered:
-            self._offered[category] = self._suiting(category)
+            self._offered[category] = self._suiting(self.every(category))
         found = self._offered[category]
-        return tuple(asset for asset in found if not tag or tag in asset.tags)
+        tagged = _with_tag(found, tag)
+        if tagged or not any(asset.id in self._database.own for asset in found):
+            return tagged
+        shipped = [a for a in self.every(category) if a.id not in self._database.own]
+        return _with_tag(self._suiting(shipped), tag)
 
     def every(self, category: str) -> tuple[Asset, ...]:
         """Assets of a category whatever their style."""
         return self._database.of_category(category) if category in CATEGORIES else ()
 
-    def _suiting(self, category: str) -> tuple[Asset, ...]:
-        if category not in CATEGORIES:
-            return ()
-        all_of_it = self._database.of_category(category)
-        own = tuple(asset for asset in all_of_it if asset.id in self._database.own)
-        candidates = own or all_of_it
+    def _suiting(self, assets: Sequence[Asset]) -> tuple[Asset, ...]:
+        own = tuple(asset for asset in assets if asset.id in self._database.own)
+        candidates = own or tuple(assets)
         suited = tuple(a for a in candidates if not a.styles or self._style in a.styles)
         return suited or candidates
 
@@ -79,6 +81,10 @@ class Stock:
         """The asset, on disk."""
         self._database.prepare(asset)
         return asset
+
+
+def _with_tag(assets: Sequence[Asset], tag: str) -> tuple[Asset, ...]:
+    return tuple(asset for asset in assets if not tag or tag in asset.tags)
 
 
 def family_of(asset: Asset) -> str:
