@@ -76,8 +76,8 @@ def test_the_certificate_has_the_fields_of_the_contract(tmp_path):
     assert list(fields) == [
         "holds", "valid", "errors", "collisions", "out_of_room", "blocked_openings", "unsupported",
         "empty_rooms", "walkable", "reachable_rooms", "por", "piou", "pairs", "ood",
-        "complete", "right", "missing", "home_lacks", "misplaced", "objects", "dressing", "stairs",
-        "unreachable", "faults",
+        "complete", "right", "missing", "home_lacks", "misplaced", "objects", "dressing", "design",
+        "stairs", "unreachable", "faults",
     ]  # fmt: skip
     assert fields["holds"] is fields["valid"] is True
     crowded = check(tmp_path, house(*SOUND, replace(BED, id="bed2")))
@@ -85,6 +85,21 @@ def test_the_certificate_has_the_fields_of_the_contract(tmp_path):
     assert set(first) == {"a", "b", "depth_m"}
     assert certificate(crowded)["holds"] is certificate(crowded)["valid"] is False
     assert any(first["a"] in fault for fault in certificate(crowded)["faults"])
+
+
+def test_broken_planning_rules_are_told_in_centimetres_with_source_and_place(tmp_path, capsys):
+    stage = author_stage(house(*SOUND), tmp_path / "house.usda", seed=0).path
+    assert main(["check", str(stage)]) == DONE
+    told = capsys.readouterr().out
+    assert "Bedroom_0 (bedroom):" in told
+    assert "wardrobe: 0, not 1 (HUD 1973), at " in told
+    design = certificate(check_stage(stage))["design"]
+    room = next(one for one in design["rooms"] if one["path"] == BEDROOM)
+    assert 0 < room["rules_kept"] < room["rules"]
+    foot = next(one for one in room["findings"] if one["rule"] == "bedside tables of a double bed")
+    assert (foot["need"], foot["have"], foot["source"]) == (2, 0, "NDSS")
+    assert np.hypot(*np.subtract(foot["at"], BED.box.center_m[:2])) < 0.2
+    assert design["home"]["findings"]
 
 
 def test_out_of_distribution_scores_travel_to_the_report(tmp_path):

@@ -53,7 +53,7 @@ def door(x: float, y: float, yaw: float = 0.0) -> Opening:
 
 
 def findings(graph: SceneGraph) -> dict[str, Finding]:
-    return {one.rule: one for one in design_of(graph).rooms[0].findings}
+    return {one.rule: one for one in design_of([graph]).rooms[0].findings}
 
 
 def kitchen(change: Callable[[list[Piece]], None] | None = None) -> SceneGraph:
@@ -161,11 +161,11 @@ def test_free_depth_is_that_of_shapes() -> None:
 
 
 def test_a_home_lacks_seats_for_its_sleepers() -> None:
-    judged = design_of(bedroom()).home
+    judged = design_of([bedroom()]).home
     found = {one.rule: one for one in judged.findings}
     assert found["diners without a seat"].have == 2
     assert "laundry" in found
     bare = replace(bedroom(), items=())
-    assert {one.rule: one.have for one in design_of(bare).home.findings}[
+    assert {one.rule: one.have for one in design_of([bare]).home.findings}[
         "diners without a seat"
     ] == 1

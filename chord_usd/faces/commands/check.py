@@ -10,6 +10,7 @@ from chord_usd.base.runtime.counting import counted
 from chord_usd.faces.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
 
 if TYPE_CHECKING:
+    from chord_usd.base.metrics.design import Design, Finding
     from chord_usd.line.stage.check.check_stage import Report
 
 OUTLIERS_TOLD = 3
@@ -41,8 +42,25 @@ def _text(stage: Path, report: Report, data: dict[str, Any]) -> str:
     )
     lines.append(f"  rooms complete {data['complete']:.0%}, right {data['right']:.0%}")
     lines += [f"    {flaw}" for flaw in report.flaws]
+    lines += _design(report.design)
     lines += _outliers(data["ood"])
     return "\n".join(lines)
+
+
+def _design(design: Design) -> list[str]:
+    """Planning rules by room, the broken ones in centimetres with source and place."""
+    lines = [f"  planning rules kept {design.share:.0%}"]
+    for one in (*design.rooms, design.home):
+        lines.append(f"    {one.place or 'home'} ({one.kind}): {len(one.kept)} of {one.asked}")
+        worst: dict[str, Finding] = {}
+        for found in one.findings:
+            if found.rule not in worst or found.missed > worst[found.rule].missed:
+                worst[found.rule] = found
+        lines += [
+            f"      {found.said} ({found.source}), at {found.at[0]:.2f}, {found.at[1]:.2f} m"
+            for found in worst.values()
+        ]
+    return lines
 
 
 def _outliers(ood: list[dict[str, Any]]) -> list[str]:

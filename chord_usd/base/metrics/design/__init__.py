@@ -11,9 +11,10 @@ Sources are those of docs/design.md; "planning guides" have no number in a stand
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
+from chord_usd.base.metrics.complete import Homely
 from chord_usd.base.metrics.design import (
     bathroom_rules,
     bedroom_rules,
@@ -44,6 +45,13 @@ class Design:
     """Those that rules are asked of; a room with a dining table or a kitchen in it comes again."""
     home: Judged
 
+    @property
+    def share(self) -> float:
+        """Rules kept / rules asked, of all rooms and the home; 1 where none was asked."""
+        every = (*self.rooms, self.home)
+        asked = sum(one.asked for one in every)
+        return sum(len(one.kept) for one in every) / asked if asked else 1.0
+
 
 def judged_room(view: View) -> Iterator[Judged]:
     """A room by the rules of its kind, of a kitchen in it, and of its dining table."""
@@ -63,8 +71,40 @@ def judged_home(view: HomeView) -> Judged:
     return judge(home_rules.RULES, view, "", "home", area_m2)
 
 
-def design_of(graph: SceneGraph, screens: frozenset[str] | None = None) -> Design:
-    """How a house of one storey is planned. screens: ids of cabinets with a television."""
-    view = view_home(graph, screens)
-    rooms = tuple(one for room in view.rooms for one in judged_room(room))
-    return Design(rooms, judged_home(view))
+def design_of(graphs: Sequence[SceneGraph], homely: Iterable[Homely] = ()) -> Design:
+    """How a home is planned. graphs: its storeys, the lowest first. homely: of its rooms, whose
+    "complete" and "right" are rows of the table, too."""
+    views = [view_home(graph) for graph in graphs]
+    rooms = tuple(room for view in views for room in view.rooms)
+    front = next((view.entrance for view in views if view.entrance is not None), None)
+    lived = {one.room: one for one in homely if one.is_judged}
+    judged = []
+    for room in rooms:
+        for nth, one in enumerate(judged_room(room)):
+            own = lived.get(one.place) if nth == 0 else None
+            judged.append(_with_homely(one, own, room) if own else one)
+    return Design(tuple(judged), judged_home(HomeView(rooms, front)))
+
+
+COMPLETE, RIGHT = "what rooms of its kind cannot do without", "pieces that stand wrongly"
+_OWN = "metrics.complete"
+
+
+def _with_homely(judged: Judged, homely: Homely, room: View) -> Judged:
+    """With the rows "complete" and "right"."""
+    places = {item.id: room.point(at) for at, item in enumerate(room.items)}
+    lacks = [Finding(f"{COMPLETE}, {name}", _OWN, "count", 1, 0, room.middle, ())
+             for name in homely.missing]  # fmt: skip
+    wrong = [
+        Finding(f"{RIGHT}, {one.fault}", _OWN, "count", 0, 1,
+                places.get(one.item, room.middle), (one.item,))
+        for one in homely.misplaced
+    ]  # fmt: skip
+    kept = [name for name, found in ((COMPLETE, lacks), (RIGHT, wrong)) if not found]
+    return replace(
+        judged,
+        kept=(*judged.kept, *kept),
+        findings=(*judged.findings, *lacks, *wrong),
+        won=judged.won + len(kept),
+        weight=judged.weight + 2,
+    )

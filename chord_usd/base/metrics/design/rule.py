@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Generic, Literal, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 from chord_usd.base.metrics.design.view import HomeView, Point, View
 from chord_usd.base.scene.types import RoomKind
@@ -68,6 +69,22 @@ class Finding:
     items: tuple[str, ...]
 
     @property
+    def missed(self) -> float:
+        """By how much it misses the number."""
+        return abs(self.have - self.need)
+
+    def as_json(self) -> dict[str, Any]:
+        """As reports give it: lengths under keys that name metres, nothing for endless ones."""
+        suffix = "_m" if self.unit == "m" else ""
+        values = {f"need{suffix}": self.need, f"have{suffix}": self.have}
+        return {
+            "rule": self.rule, "source": self.source, "unit": self.unit,
+            **{key: round(each, 3) if math.isfinite(each) else None
+               for key, each in values.items()},
+            "at": [round(each, 3) for each in self.at], "items": list(self.items),
+        }  # fmt: skip
+
+    @property
     def said(self) -> str:
         """In words, lengths in whole centimetres."""
         return f"{self.rule}: {_value(self.have, self.unit)}, not {_value(self.need, self.unit)}"
@@ -102,6 +119,13 @@ class Judged:
     def asked(self) -> int:
         """How many rules were asked."""
         return len(self.kept) + len({one.rule for one in self.findings})
+
+    def as_json(self) -> dict[str, Any]:
+        """As reports give it."""
+        return {
+            "path": self.place, "kind": self.kind, "rules_kept": len(self.kept),
+            "rules": self.asked, "findings": [one.as_json() for one in self.findings],
+        }  # fmt: skip
 
     @property
     def share(self) -> float:

@@ -15,6 +15,7 @@ from pxr import Usd
 
 from chord_usd.base.metrics import score_scene
 from chord_usd.base.metrics.complete import Homely, Misplaced, home_lacks
+from chord_usd.base.metrics.design import Design, design_of
 from chord_usd.base.metrics.overlap import Overlap
 from chord_usd.base.runtime.stages import open_known, open_stage, reading
 from chord_usd.base.scene.types import Item, SceneGraph
@@ -89,6 +90,8 @@ class Report:
     misplaced: tuple[Misplaced, ...]
     objects: Objects
     dressing: Dressing
+    design: Design
+    """Planning rules that rooms and home keep, and what breaks others: advice, too."""
     stairs: tuple[str, ...] = ()
     """Stairs that cannot be walked, and why."""
     unreachable: tuple[Unreachable, ...] = ()
@@ -181,6 +184,8 @@ def _reported(stage: Usd.Stage) -> Report:
         home_lacks=home_lacks(whole.items),
         objects=count_objects(whole),
         dressing=measure_dressing(stage, storeys),
+        design=design_of([scene.entered_graph for scene in storeys],
+                         [room for own in scores for room in own.homely]),
         stairs=tuple(f"{path} {told}" for path, told in faults.items()),
         unreachable=tuple(
             Unreachable(room, "plan" if room in way.doorless else "furniture")
@@ -229,5 +234,10 @@ def certificate(report: Report) -> dict[str, Any]:
     fields = {
         key: list(value) if isinstance(value, tuple) else value
         for key, value in asdict(report).items()
+    }
+    fields["design"] = {
+        "rules_kept": round(report.design.share, 4),
+        "rooms": [room.as_json() for room in report.design.rooms],
+        "home": report.design.home.as_json(),
     }
     return {"holds": report.holds, "valid": report.valid, **fields, "faults": list(report.faults)}
