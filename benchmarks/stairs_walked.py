@@ -21,8 +21,8 @@ import numpy as np
 from pxr import Usd
 from results import write_section
 
+from chord_usd.base.scene.stacking import stack
 from chord_usd.base.scene.stair_elements import StairForm
-from chord_usd.base.scene.storeys import stack
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.line.stage.author.author_stage import author_levels
 from chord_usd.line.stage.author.stage_levels import levels_of

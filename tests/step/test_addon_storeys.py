@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from chord_usd.base.scene.storeys import stack
+from chord_usd.base.scene.stacking import stack
 from chord_usd.line.stage.author.author_stage import author_levels
 from chord_usd.line.stage.author.stage_levels import levels_of
 from chord_usd.workshop.data.storey_houses import random_storeys

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from pxr import Sdf
 
+from chord_usd.base.scene.stacking import stack
 from chord_usd.base.scene.stair_cells import is_cell
-from chord_usd.base.scene.storeys import stack
 from chord_usd.cli import DONE, NOT_HELD, UNUSABLE, main
 from chord_usd.line.pipeline.edit_house import edit, read_sentence
 from chord_usd.line.stage.author.author_stage import author_levels

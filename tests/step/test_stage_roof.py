@@ -13,7 +13,7 @@ from pxr import Usd, UsdGeom
 
 from chord_usd.base.errors import RenderError
 from chord_usd.base.scene.roof_planes import OVERHANG_M
-from chord_usd.base.scene.storeys import stack
+from chord_usd.base.scene.stacking import stack
 from chord_usd.line.image.options import RenderOptions
 from chord_usd.line.image.picture_layers import lit_stage
 from chord_usd.line.image.render import render_stage

@@ -11,7 +11,8 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom
 
 from chord_usd.base.errors import StageError
-from chord_usd.base.scene.storeys import STOREY_M, Building, stack
+from chord_usd.base.scene.stacking import stack
+from chord_usd.base.scene.storeys import STOREY_M, Building
 from chord_usd.line.stage.author.author_stage import author_levels, author_stage
 from chord_usd.line.stage.author.stage_levels import levels_of
 from chord_usd.line.stage.check.check_scene import read_scene

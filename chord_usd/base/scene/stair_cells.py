@@ -7,6 +7,7 @@ them, and where one steps on or off is a passage, which furniture keeps clear.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from shapely import affinity, get_coordinates
@@ -16,7 +17,6 @@ from shapely.ops import substring, unary_union
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import polygons_of, room_polygon
-from chord_usd.base.scene.stair_forms import BuiltStair
 from chord_usd.base.scene.types import (
     BASE_AND_HEIGHT_M,
     WALL_THICKNESS_M,
@@ -27,6 +27,9 @@ from chord_usd.base.scene.types import (
     Room,
     frozen_array,
 )
+
+if TYPE_CHECKING:
+    from chord_usd.base.scene.stair_forms import BuiltStair
 
 CELL = "stairCell"
 """Key of Room.extra: the room is what a stair takes up."""

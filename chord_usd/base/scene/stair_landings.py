@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import shapely
 
 from chord_usd.base.scene.geometry import footprint_polygon, polygons_of, room_polygon
 from chord_usd.base.scene.stair_cells import is_cell
-from chord_usd.base.scene.stair_forms import BuiltStair
 from chord_usd.base.scene.types import Plan
+
+if TYPE_CHECKING:
+    from chord_usd.base.scene.stair_forms import BuiltStair
 
 LEAST_LANDING_M = 0.8
 """A landing is as deep as the stair is wide, and no home's stair is narrower."""

@@ -22,7 +22,7 @@ from chord_usd.base.scene.json_stairs import StoreyPlan, is_storeys, storeys_fro
 from chord_usd.base.scene.limits import MOST_JSON_BYTES, SEEDS
 from chord_usd.base.scene.settings import Settings
 from chord_usd.base.scene.stair_cells import is_cell
-from chord_usd.base.scene.storeys import Building, Storey, stack, storey_title
+from chord_usd.base.scene.storeys import Building, Storey, one_storey, storey_title
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph, StageFile
 from chord_usd.line.pipeline import steps
@@ -132,7 +132,7 @@ def generate(
     # Plans are read before networks are loaded: an invalid picture is reported within a second.
     with watch.step("plan"):
         files = [plans] if isinstance(plans, Path) else list(plans)
-        building = stack(read_storeys(files, settings, every=every))
+        building = _stacked(read_storeys(files, settings, every=every))
         files = [files[min(storey.index, len(files) - 1)] for storey in building.storeys]
         images = _checked(building, files, settings, watch)
         asked = _asked(building, settings)
@@ -238,6 +238,15 @@ def _due(settings: Settings) -> Mapping[str, Callable[[FurnishedStorey, Progress
     """STEPS without those that the settings leave out."""
     wanted = {"tabletop": settings.tabletop, "dress": settings.dressing}
     return {name: step for name, step in STEPS.items() if wanted.get(name, True)}
+
+
+def _stacked(storeys: Sequence[StoreyPlan]) -> Building:
+    """Storeys as a house. Raises PlanError for storeys that do not fit on each other."""
+    if len(storeys) == 1:
+        return one_storey(storeys[0])
+    from chord_usd.base.scene.stacking import stack
+
+    return stack(storeys)
 
 
 def _checked(

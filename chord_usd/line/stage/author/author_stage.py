@@ -62,7 +62,6 @@ from chord_usd.line.stage.author.surfaces import fitout
 from chord_usd.line.stage.author.variants import Wardrobe
 from chord_usd.line.stage.export.packages import Packages
 from chord_usd.line.stage.shell.author_shell import draw_shell
-from chord_usd.line.stage.shell.roof import raise_roof
 from chord_usd.line.stage.views.cameras import set_cameras
 
 SCHEMA = 1
@@ -196,7 +195,10 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
     set_cameras(layer, house.levels)
     _set_render(layer, house.rooms)
     _hint_house(layer, extents, house.levels)
-    raise_roof(layer, house.levels, house.roof, architecture, finish)
+    if house.roof != NO_ROOF:
+        from chord_usd.line.stage.shell.roof import raise_roof
+
+        raise_roof(layer, house.levels, house.roof, architecture, finish)
     layer.Save()
     return _hash([target, *sorted(architecture.iterdir())])
 

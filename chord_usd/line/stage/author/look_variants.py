@@ -22,9 +22,13 @@ from chord_usd.line.stage.author.names import NamedRoom
 from chord_usd.line.stage.author.physics import write_feel
 from chord_usd.line.stage.author.prims import Types, add_variants, attribute, label, over
 from chord_usd.line.stage.author.stage_levels import Level
-from chord_usd.line.stage.author.surfaces import PLAIN_SURFACES, shade
+from chord_usd.line.stage.author.surfaces import (
+    PLAIN_SURFACES,
+    floor_material,
+    shade,
+    wall_material,
+)
 from chord_usd.line.stage.export.packages import Packages
-from chord_usd.line.stage.shell.author_shell import floor_material, wall_material
 
 CHOICES = 3
 """Looks offered for each surface; the first one is worn."""

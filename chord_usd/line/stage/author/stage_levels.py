@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from pxr import Sdf, Vt
 from shapely.geometry import LineString, Polygon
 
 from chord_usd.base.scene.stair_cells import is_cell
-from chord_usd.base.scene.stair_forms import BuiltStair
 from chord_usd.base.scene.storeys import Building, with_own_ids
 from chord_usd.base.scene.types import SceneGraph
 from chord_usd.line.stage.author.names import NamedRoom, name_rooms
 from chord_usd.line.stage.author.prims import Types, attribute, note
 from chord_usd.line.stage.shell.walls import Walls, build_walls
+
+if TYPE_CHECKING:
+    from chord_usd.base.scene.stair_forms import BuiltStair
 
 ROOMS = "/House/Rooms"
 STOREY = "Storey_"

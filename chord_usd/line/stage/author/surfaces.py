@@ -10,6 +10,7 @@ from pxr import Gf, Sdf
 from chord_usd.base.scene.feels import FEEL_OF_SURFACE
 from chord_usd.base.scene.style_finishes import metal_like
 from chord_usd.base.scene.styles import Agreed, HomeStyle, InnerDoor
+from chord_usd.line.stage.author.names import NamedRoom
 from chord_usd.line.stage.author.physics import write_feel
 from chord_usd.line.stage.author.prims import Types, attribute, define, label
 
@@ -95,3 +96,17 @@ def linear_from_srgb(level: int) -> float:
     """sRGB level 0 to 255 to linear light 0 to 1, which USD colours hold (IEC 61966-2-1)."""
     value = level / 255.0
     return value / 12.92 if value <= 0.04045 else float(((value + 0.055) / 1.055) ** 2.4)
+
+
+FLOOR = "_Floor"
+"""Names of materials of floors end so."""
+
+
+def floor_material(room: NamedRoom) -> str:
+    """Name of the room's floor material; unique in the house, since Blender merges by name."""
+    return f"{room.name}{FLOOR}"
+
+
+def wall_material(room: NamedRoom) -> str:
+    """Name of the room's wall material."""
+    return f"{room.name}_Wall"

@@ -14,12 +14,10 @@ import numpy as np
 import shapely
 from pxr import Sdf
 from shapely.geometry import LineString, Polygon
-from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from chord_usd.base.scene.geometry import footprint_polygon, polygons_of, room_polygon
-from chord_usd.base.scene.stair_spirals import is_round
+from chord_usd.base.scene.geometry import footprint_polygon, polygons_of
 from chord_usd.base.scene.trim import CASING_M
 from chord_usd.base.scene.tunnels import Tunnel
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, Box, FloatArray, Opening
@@ -31,10 +29,10 @@ from chord_usd.line.stage.author.prims import (
     note_size,
     place,
 )
-from chord_usd.line.stage.author.stage_levels import Level, is_shaft, note_stair
-from chord_usd.line.stage.author.surfaces import Fitout
+from chord_usd.line.stage.author.stage_levels import Level, is_shaft
+from chord_usd.line.stage.author.surfaces import Fitout, floor_material, wall_material
 from chord_usd.line.stage.shell.door_leaves import LeafKind, leaf_parts
-from chord_usd.line.stage.shell.mesh import Face, flat, mesh_of, prism, upright
+from chord_usd.line.stage.shell.mesh import Face, flat, mesh_of, upright
 from chord_usd.line.stage.shell.opening_parts import (
     fixed_parts,
     leaves_of,
@@ -44,17 +42,8 @@ from chord_usd.line.stage.shell.opening_parts import (
     side_of,
 )
 from chord_usd.line.stage.shell.opening_shapes import Part
-from chord_usd.line.stage.shell.shell_layers import FLOOR, Frame, ShellComponent, refer
-from chord_usd.line.stage.shell.slabs import slab_faces
-from chord_usd.line.stage.shell.stair_parts import (
-    floor_boxes,
-    guard_lines,
-    guard_part,
-    open_landing_sides,
-    stair_boxes,
-    stair_hulls,
-    stair_parts,
-)
+from chord_usd.line.stage.shell.shell_layers import Frame, ShellComponent, refer
+from chord_usd.line.stage.shell.slabs import SEAM_M, SLAB_M, slab_faces
 from chord_usd.line.stage.shell.walls import (
     WallLine,
     Walls,
@@ -66,15 +55,6 @@ from chord_usd.line.stage.shell.walls import (
 
 _SKIRTING_M = (0.004, 0.07)
 """Depth and height. Thin, so that furniture set against the wall does not collide with it."""
-
-_SEAM_M = 2e-3
-"""Holes are cut to a millimetre."""
-
-_INNER_M = 0.05
-"""An edge of a hole so far within a stair needs no railing: the stair lies over it."""
-
-_SLAB_M = 0.2
-"""How far down a floor is solid."""
 
 _TILED = ("bathroom", "balcony")
 """Kinds of rooms without skirting boards."""
@@ -105,16 +85,6 @@ def draw_shell(
     return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
 
 
-def floor_material(room: NamedRoom) -> str:
-    """Name of the room's floor material; unique in the house, since Blender merges by name."""
-    return f"{room.name}{FLOOR}"
-
-
-def wall_material(room: NamedRoom) -> str:
-    """Name of the room's wall material."""
-    return f"{room.name}_Wall"
-
-
 def _draw_room(
     layer: Sdf.Layer, room: NamedRoom, level: Level, above: Level | None, folder: Path,
     fitout: Fitout,
@@ -136,15 +106,17 @@ def _draw_room(
     railings = [tunnel for index, tunnel in walls.railings if index == room.index]
     for number, tunnel in enumerate(railings):
         _draw_railing(component, f"Railing_{number}", tunnel, room)
-    if shaft:
-        _draw_stairs(component, room, level)
-    walled = [(box, wall_material(room)) for box in wall_boxes(lines)]
     holes = level.holes if room.room.id in level.ways else ()
+    steps: list[Box] = []
+    hulls: list[Sequence[Face]] = []
+    if shaft:
+        from chord_usd.line.stage.shell.author_stairs import draw_stairs, stair_colliders
+
+        draw_stairs(component, room, level)
+        steps, hulls = stair_colliders(room, level, floor, holes)
+    walled = [(box, wall_material(room)) for box in wall_boxes(lines)]
     slabs = [slab for part in _less(floor, holes) for slab in _slabs(part, level)]
-    rising = [own.built for own in level.rising.get(room.room.id, ())]
-    steps = [box for built in rising for box in stair_boxes(built)]
-    turns = [(hull, floor_material(room)) for built in rising for hull in stair_hulls(built)]
-    turns += [(hull, floor_material(room)) for hull in _slab_around(floor, holes)]
+    turns = [(hull, floor_material(room)) for hull in hulls]
     component.block([*((box, floor_material(room)) for box in (*slabs, *steps)), *walled], turns)
     component.save()
     return refer(layer, f"{room.path}/Architecture", component)
@@ -166,79 +138,29 @@ def _less(floor: Polygon, holes: Sequence[Polygon]) -> list[Polygon]:
     """What is left of a floor around holes; strips too narrow to see are left out."""
     if not any(hole.intersects(floor) for hole in holes):
         return [floor]
-    left = floor.difference(unary_union(list(holes)).buffer(_SEAM_M, join_style="mitre"))
-    seen = left.buffer(-_SEAM_M).buffer(2 * _SEAM_M, join_style="mitre").intersection(
+    left = floor.difference(unary_union(list(holes)).buffer(SEAM_M, join_style="mitre"))
+    seen = left.buffer(-SEAM_M).buffer(2 * SEAM_M, join_style="mitre").intersection(
         floor.difference(unary_union(list(holes)))
     )  # fmt: skip
-    return [part for part in polygons_of(seen) if part.area > _SEAM_M]
-
-
-def _draw_stairs(component: ShellComponent, room: NamedRoom, level: Level) -> None:
-    """The stairs up from a room, and the railings around the hole that one comes up through."""
-    solid = level.walls.solid_m
-    for index, own in enumerate(level.rising.get(room.room.id, ())):
-        group = component.group(f"Stair_{index}")
-        label(group, "category", "stairs")
-        note_stair(group, own)
-        for part in stair_parts(own.built, solid):
-            material = floor_material(room) if part.surface == "Floor" else part.surface
-            component.mesh(f"{group.name}/{part.name}", part.faces, material)
-        for number, (line, low_m) in enumerate(open_landing_sides(own.built, solid)):
-            _draw_guard(component, f"{group.name}/Guard_{number}", line, low_m)
-    ways = level.ways.get(room.room.id)
-    if ways is not None:
-        component.reserve(floor_material(room))
-        rising = [own.built for own in level.rising.get(room.room.id, ())]
-        stairs = [one.area_m.buffer(-_INNER_M) for one in rising if not one.is_spiral]
-        around = unary_union([solid, *stairs])
-        own_holes = [hole for hole in level.holes if hole.intersects(room_polygon(room.room))]
-        edged = [_largest(hole.difference(unary_union(level.landings))) for hole in own_holes]
-        lines = [line for hole in edged for line in guard_lines(hole, around, ways)]
-        for number, line in enumerate(lines):
-            _draw_guard(component, f"Guard_{number}", line, 0.0)
-
-
-def _draw_guard(component: ShellComponent, name: str, line: FloatArray, low_m: float) -> None:
-    part, colliders = guard_part(line)
-    group = component.group(name)
-    place(group, at_m=(0.0, 0.0, low_m))
-    label(group, "category", "railing")
-    component.mesh(f"{name}/{part.name}", part.faces, part.surface, Frame(0.0, (0.0, 0.0, low_m)))
-    component.guard(group, colliders, part.surface)
+    return [part for part in polygons_of(seen) if part.area > SEAM_M]
 
 
 def _slabs(floor: Polygon, level: Level) -> list[Box]:
     """The slab of a room, with the holes of its storey left open."""
     slab = _slab(floor)
-    under = footprint_polygon(slab)
-    holes = [hole for hole in level.holes if hole.intersects(under)]
+    holes = [hole for hole in level.holes if hole.intersects(footprint_polygon(slab))]
     if not holes:
         return [slab]
-    sided = [hole for hole in holes if not is_round(hole)]
-    (x0, y0), (x1, y1) = np.asarray((sided or [under])[0].exterior.coords)[:2]
-    yaw_deg = float(np.degrees(np.arctan2(y1 - y0, x1 - x0)))
-    return list(floor_boxes(slab, holes, yaw_deg))
+    from chord_usd.line.stage.shell.author_stairs import holed_slabs
 
-
-def _slab_around(floor: Polygon, holes: Sequence[Polygon]) -> list[list[Face]]:
-    """What boxes leave out of the slab around round holes, as convex solids."""
-    around = [hole.buffer(_SEAM_M, join_style="mitre").envelope for hole in holes if is_round(hole)]
-    left = floor.intersection(unary_union(around)).difference(unary_union(list(holes)))
-    return [
-        prism(Polygon(piece.corners_m[:, :2]), -_SLAB_M, 0.0)
-        for piece in flat(left, 0.0, up=True)
-    ]  # fmt: skip
-
-
-def _largest(area: BaseGeometry) -> Polygon:
-    return max(polygons_of(area), key=lambda part: part.area)
+    return holed_slabs(slab, holes)
 
 
 def _slab(floor: Polygon) -> Box:
     """What carries a room and its thresholds. Everything in a house stands at one height."""
     west, south, east, north = floor.buffer(WALL_THICKNESS_M).bounds
-    middle = ((west + east) / 2, (south + north) / 2, -_SLAB_M)
-    return Box(middle, (east - west, north - south, _SLAB_M), 0.0)
+    middle = ((west + east) / 2, (south + north) / 2, -SLAB_M)
+    return Box(middle, (east - west, north - south, SLAB_M), 0.0)
 
 
 def _draw_opening(

@@ -65,12 +65,10 @@ def wear_roof(stage: Usd.Stage) -> None:
 def raise_roof(
     layer: Sdf.Layer, levels: Sequence[Level], form: RoofForm, folder: Path, fitout: Fitout
 ) -> None:
-    """Write the variant set with a roof over the top storey; nothing for no roof.
+    """Write the variant set with a roof over the top storey.
 
-    folder: where payload layers go. The house must have its extentsHint.
+    form: any but none. folder: where payload layers go. The house must have its extentsHint.
     """
-    if form == NO_ROOF:
-        return
     top = levels[-1]
     base_m = top.elevation_m + ROOM_HEIGHT_M
     outline = covered(top.walls)

@@ -33,14 +33,11 @@ from chord_usd.line.stage.author.prims import (
     new_layer,
     write_mesh,
 )
-from chord_usd.line.stage.author.surfaces import Fitout, write_surface
+from chord_usd.line.stage.author.surfaces import FLOOR, Fitout, write_surface
 from chord_usd.line.stage.shell.mesh import Face, mesh_of
 from chord_usd.line.stage.shell.opening_parts import PointM, leaf_box
 from chord_usd.line.stage.shell.opening_shapes import Leaf
 from chord_usd.line.stage.shell.window_parts import Sash
-
-FLOOR = "_Floor"
-"""Names of materials of floors end so."""
 
 
 class ShellComponent:

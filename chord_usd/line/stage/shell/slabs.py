@@ -22,6 +22,12 @@ _JOINT_M = 1e-3
 
 _LEAST_M2 = 1e-3
 
+SEAM_M = 2e-3
+"""Holes are cut to a millimetre."""
+
+SLAB_M = 0.2
+"""How far down a floor is solid."""
+
 
 def slab_faces(
     lower: Walls, upper: Walls, holes: Sequence[Polygon]

@@ -1,0 +1,157 @@
+"""Plans laid over each other as the storeys of one house, and joined by stairs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from shapely.geometry import Polygon
+
+from chord_usd.base.errors import PlanError
+from chord_usd.base.scene.json_stairs import StoreyPlan, stairs_of
+from chord_usd.base.scene.limits import MOST_STOREYS
+from chord_usd.base.scene.pose import Pose, posed
+from chord_usd.base.scene.registration import Registration, register
+from chord_usd.base.scene.stair_cells import Cell, with_cell
+from chord_usd.base.scene.stair_elements import Stair
+from chord_usd.base.scene.stair_forms import build_stair
+from chord_usd.base.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
+from chord_usd.base.scene.stair_places import drawn_stairs, grown_stair, seen_on_both
+from chord_usd.base.scene.storeys import (
+    STOREY_M,
+    Building,
+    Climb,
+    Storey,
+    prefix_of,
+    storey_title,
+    unused_warnings,
+    with_own_room_ids,
+)
+from chord_usd.base.scene.types import Plan
+
+_SAME_PLACE_M = 0.4
+"""Between the middles of a stair as two storeys show it."""
+
+_SLACK_M = 0.005
+
+
+def stack(given: Sequence[StoreyPlan]) -> Building:
+    """The plans as one house, the lowest first. Raises PlanError for what does not fit."""
+    if len(given) > MOST_STOREYS:
+        raise PlanError(f"the house has {len(given)} storeys", expected=f"at most {MOST_STOREYS}")
+    placed, stairs, registered = _placed(given)
+    plans, climbs, warnings = list(placed), [], []
+    for low in range(len(plans) - 1):
+        found = list(_climbs(stairs[low], stairs[low + 1]))
+        if not found:
+            found, why = _from_drawings(given, registered, low, (plans[low], plans[low + 1]))
+            warnings += why
+        if not found:
+            warnings.append(f"no stair joins {_title(given, low)} and {_title(given, low + 1)}")
+        for stair in found:
+            try:
+                built = build_stair(stair, STOREY_M)
+                plans[low], foot = with_cell(plans[low], built, above=False)
+                plans[low + 1], top = with_cell(plans[low + 1], built, above=True)
+            except PlanError as error:
+                raise _at(error, _title(given, low)) from error
+            foot, top = _prefixed_cell(foot, low), _prefixed_cell(top, low + 1)
+            climbs.append(Climb(low, built, foot, top))
+            depth_m = landing_depth_m(plans[low + 1], built)
+            if depth_m < LEAST_LANDING_M - _SLACK_M:
+                warnings.append(
+                    f"the landing above stair {stair.id} on {_title(given, low + 1)} is "
+                    f"{depth_m:.2f} m deep, less than {LEAST_LANDING_M:.2f} m"
+                )
+    warnings += unused_warnings([one.id for one in stairs[-1] if one.leads == "up"])
+    storeys = tuple(
+        Storey(index, _title(given, index), with_own_room_ids(plan, index), index * STOREY_M, found)
+        for index, (plan, found) in enumerate(zip(plans, registered, strict=True))
+    )
+    return Building(storeys, tuple(climbs), tuple(warnings))
+
+
+def _title(given: Sequence[StoreyPlan], index: int) -> str:
+    return given[index].name or storey_title(index)
+
+
+def _at(error: PlanError, where: str) -> PlanError:
+    return PlanError(error.what, where=error.where or where, expected=error.expected)
+
+
+def _placed(
+    given: Sequence[StoreyPlan],
+) -> tuple[list[Plan], list[list[Stair]], list[Registration | None]]:
+    """Plans and stairs in the frame of the lowest, each registered to the one below."""
+    plans, stairs = [given[0].plan], [list(stairs_of(given[0].plan, _title(given, 0)))]
+    registered: list[Registration | None] = [None]
+    for index, own in enumerate(given[1:], start=1):
+        title = _title(given, index)
+        shown = stairs_of(own.plan, title)
+        pairs = [
+            (up, down)
+            for up in stairs[-1] if up.leads == "up"
+            for down in shown if down.leads == "down"
+        ]  # fmt: skip
+        found = register(plans[-1], own.plan, pairs, own.shift_m, title)
+        pose = Pose(offset_m=found.shift_m)
+        registered.append(found)
+        plans.append(posed(own.plan, pose))
+        stairs.append([replace(one, box=pose.box(one.box)) for one in shown])
+    return plans, stairs, registered
+
+
+def _climbs(below: Sequence[Stair], above: Sequence[Stair]) -> list[Stair]:
+    """The stairs up from a storey. What both storeys show must be at one place."""
+    downs = [one for one in above if one.leads == "down"]
+    found = []
+    for up in (one for one in below if one.leads == "up"):
+        near = [one for one in downs if _apart_m(up, one) <= _SAME_PLACE_M]
+        if downs and not near:
+            raise PlanError(
+                f"stair {up.id} leads nowhere: the storey above shows stairs "
+                f"{min(_apart_m(up, one) for one in downs):.1f} m away",
+                expected="the same stair on both storeys",
+            )
+        found.append(up)
+    return found
+
+
+def _apart_m(one: Stair, other: Stair) -> float:
+    (x, y, _), (u, v, _) = one.box.center_m, other.box.center_m
+    return float(((x - u) ** 2 + (y - v) ** 2) ** 0.5)
+
+
+def _from_drawings(
+    given: Sequence[StoreyPlan],
+    registered: Sequence[Registration | None],
+    low: int,
+    plans: tuple[Plan, Plan],
+) -> tuple[list[Stair], list[str]]:
+    """The first stair to rule where the pictures of two storeys show one, and what is in its way
+    where there is none."""
+    shown = []
+    for index in (low, low + 1):
+        found = registered[index]
+        shown.append(drawn_stairs(given[index].plan, found.shift_m if found else (0.0, 0.0)))
+    areas = sorted(seen_on_both(*shown), key=lambda area: -area.area)
+    for number, area in enumerate(areas, start=1):
+        stair = grown_stair(area, f"stair{number}", *plans, STOREY_M)
+        if stair is not None:
+            return [stair], []
+    return [], [
+        f"the stair drawn on {_title(given, low)} ({_sides(area)} m) leaves no room for one to rule"
+        for area in areas[:1]
+    ]
+
+
+def _sides(area: Polygon) -> str:
+    corners = np.asarray(area.minimum_rotated_rectangle.exterior.coords)[:3]
+    short, long = sorted(np.hypot(*np.diff(corners, axis=0).T).tolist())
+    return f"{short:.1f} by {long:.1f}"
+
+
+def _prefixed_cell(cell: Cell, index: int) -> Cell:
+    prefix = prefix_of(index)
+    return replace(cell, room=prefix + cell.room, joined=prefix + cell.joined)
