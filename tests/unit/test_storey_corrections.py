@@ -22,8 +22,8 @@ def test_rooms_are_corrected_on_the_storey_that_is_named(tmp_path: Path) -> None
     given = random_storeys(np.random.default_rng(1), 2)
     file = tmp_path / "house.json"
     file.write_text(json_text(storeys_to_json(given)))
-    said = read_rooms("1/2: library, ground floor/3: office")
-    found = read_storeys([file], Settings(rooms=said))
+    rooms = "1/2: library, ground floor/3: office"
+    found = read_storeys([file], Settings(rooms=rooms))
     changed = {
         (storey, number)
         for storey, (one, other) in enumerate(zip(found, given, strict=True))
