@@ -27,7 +27,7 @@ HEIGHT_M = 0.87
 LEAST_HEIGHT_M = 0.8
 """Of a worktop below a low window."""
 _NOTHING = (0, 0.0)
-_MOST_APART = 16.0
+_MOST_APART = 24.0
 """Cost of a kitchen beside the cheapest: no more than a number or two."""
 _EACH = 8
 """Shapes looked at for each kitchen that is judged by all rules."""

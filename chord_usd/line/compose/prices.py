@@ -47,7 +47,7 @@ PRICE = {
     "sink at a window": 4.5, "cooker at a door": 6.0, "cooker in a corner": 5.0,
     "sink in a corner": 1.5, "cooker touches": 6.0, "landing": 6.0, "apart": 6.0,
     "refrigerator apart": 9.0, "no refrigerator": 40.0, "dishwasher": 1.5, "way between": 3.0,
-    "way shut": 8.0, "idle run": 6.0, "door hits": 1.5, "piece in place": 4.0, "shallow": 3.0,
+    "way shut": 8.0, "idle run": 6.0, "door hits": 1.5, "piece in place": 1.5, "shallow": 3.0,
 }  # fmt: skip
 """Of each number missed."""
 
@@ -56,7 +56,7 @@ SMALL = frozenset((
     "cooker in a corner", "cooker touches", "apart", "no refrigerator", "narrow aisle",
     "way shut", "idle run", "piece in place",
 ))  # fmt: skip
-_SCALE = 2.0
+_SCALE = 3.0
 """Of all prices, beside what tastes and likings weigh."""
 _SMALL_SHARE = 0.25
 """What other numbers cost in rooms below SMALL_M2, which have no space for them."""

@@ -24,7 +24,7 @@ TASTE = 1.5
 """Most that a form of kitchen costs more in the taste of one home than in that of another."""
 LIKING = 0.5
 """Most that a place of sink and cooker does."""
-_GOOD = 12.0
+_GOOD = 18.0
 """Cost of a kitchen that misses no more than two numbers or so; less deep units gain little."""
 EFFORT = 40
 """Shapes looked at, the most promising first."""
