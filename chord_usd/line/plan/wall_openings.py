@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -25,7 +26,9 @@ from chord_usd.base.raster.page_labels import (
 )
 from chord_usd.base.scene.geometry import gaps
 from chord_usd.base.scene.types import FloatArray, OpeningKind
-from chord_usd.line.plan.segment import Segments
+
+if TYPE_CHECKING:
+    from chord_usd.line.plan.segment import Segments
 
 _DEEPEST = 3.5
 """A wall is at most so many times as thick as the usual one."""
