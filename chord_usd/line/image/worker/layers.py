@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any
 
 PASSES = (
-    "z", "normal", "vector", "diffuse_direct", "diffuse_indirect", "diffuse_color", "glossy_direct",
+    "z", "normal", "diffuse_direct", "diffuse_indirect", "diffuse_color", "glossy_direct",
     "glossy_indirect", "glossy_color", "transmission_direct", "transmission_indirect",
     "transmission_color", "emit", "environment", "cryptomatte_object", "cryptomatte_material",
     "cryptomatte_asset",
 )  # fmt: skip
+"""Without motion vectors: views are stills, and Cycles crashes (signal 11) where a scene that it
+keeps from one render to the next gets this pass in between."""
 
 
 def ask_for_layers(scene: Any, path: Path) -> None:
