@@ -13,8 +13,7 @@ setup(
     package_data={
         "chord_usd": [
             "py.typed",
-            "base/scene/*.tsv",
-            "workshop/data/*.tsv",
+            "**/*.tsv",
             "library/cloth/*.npz",
             "faces/page/static/*",
         ],

@@ -232,3 +232,13 @@ def test_a_name_stands_for_one_module() -> None:
     names = Counter(file.stem for file in MODULES)
     twice = {name for name, count in names.items() if count > 1}
     assert twice <= VERBS_AND_THEIR_STEPS | {"__init__", "__main__"}
+
+
+def test_a_wheel_holds_every_file_of_the_package() -> None:
+    """setup.py names all that is no code, by patterns."""
+    lists = [node for node in ast.walk(parsed(ROOT / "setup.py")) if isinstance(node, ast.List)]
+    texts = (ast.literal_eval(item) for one in lists for item in one.elts
+             if isinstance(item, ast.Constant))  # fmt: skip
+    shipped = {file for pattern in texts for file in PACKAGE.glob(str(pattern))}
+    files = {file for file in PACKAGE.rglob("*") if file.is_file()}
+    assert {file for file in files - shipped if file.suffix not in (".py", ".pyc")} == set()
