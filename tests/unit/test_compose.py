@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import shapely
 
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.metrics.violations import violations
 from chord_usd.base.scene.geometry import footprint_polygon, to_own
+from chord_usd.base.scene.trim import casings
 from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
 from chord_usd.line.compose.composer import compose
 from chord_usd.line.compose.kitchens import (
@@ -17,6 +19,7 @@ from chord_usd.line.compose.kitchens import (
     put_back,
     with_kitchens,
 )
+from chord_usd.line.compose.site import site_of
 from chord_usd.line.compose.widths import FITS, WIDTHS, splits
 from tests.every import for_every
 
@@ -54,6 +57,18 @@ def test_nothing_is_wrong_with_a_composed_kitchen(size_m: tuple[float, float]) -
         assert {"sink_cabinet", "cooker_cabinet", "refrigerator"} <= {
             i.category for i in house.items
         }
+
+
+@for_every("door_at", (0.16, 0.3, 0.7, 0.84))
+def test_units_stand_off_the_casings_of_doors(door_at: float) -> None:
+    """Also of a door whose casing lies in the corner beside a run."""
+    for size_m in SIZES_M[2:5]:
+        bare = kitchen(size_m, door_at=door_at)
+        legs = [footprint_polygon(leg) for leg in casings(bare.openings[0], bare.rooms[0])]
+        for wall in site_of(bare, bare.rooms[0], (), ()).walls:
+            for low, high in wall.spans(0.6, 0.87, 0.1):
+                shape = shapely.Polygon(wall.rectangle(low, high, 0.0, 0.6))
+                assert all(shape.intersection(leg).area < 1e-6 for leg in legs)
 
 
 @for_every("size_m", SIZES_M[1:5])

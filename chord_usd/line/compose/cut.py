@@ -216,7 +216,8 @@ def _widened(run: Run, slots: list[_Slot]) -> list[_Slot]:
 
 def _beside_corner(run: Run, slots: list[_Slot]) -> list[_Slot]:
     """The units, plain ones at a corner with a filler there."""
-    for at, variety in ((0, "beside right"), (-1, "beside left")):
+    ends: tuple[tuple[int, Variety], ...] = ((0, "beside right"), (-1, "beside left"))
+    for at, variety in ends:
         if run.ends[at] == "beside corner" and slots:
             slot = slots[at]
             is_wide = slot.high - slot.low >= _BESIDE_FROM
@@ -248,9 +249,10 @@ def _tall_units(found: Found, index: int) -> Iterator[Unit]:
         ends = (run.high, run.high - talls.cells(index, 1) * CELL_M)
     outer, inner = ends
     step = width if inner > outer else -width
-    yield _refrigerator(run.wall, *sorted((inner - step, inner)))
+    yield _refrigerator(run.wall, min(inner - step, inner), max(inner - step, inner))
     if talls.tower:
-        box = box_at(run.wall, *sorted((outer, outer + step)), TALL_DEPTH_M, TALL_HEIGHT_M)
+        low = min(outer, outer + step)
+        box = box_at(run.wall, low, low + width, TALL_DEPTH_M, TALL_HEIGHT_M)
         yield Unit(APPLIANCE, box, "tower")
 
 

@@ -92,7 +92,7 @@ class _Row:
 def search(site: Site, wanted: Wanted, depth: float, rng: np.random.Generator) -> Iterator[Found]:
     """Kitchens so deep, the best of each shape, from the cheapest on."""
     taste = {form: rng.uniform(0.0, TASTE) for form in ("one wall", "galley", "L", "U")}
-    options = []
+    options: list[tuple[float, int, Shape]] = []
     for shape in shapes(site, depth, wanted.height):
         least = _shape_cost(site, shape, wanted) + taste[shape.form] + rng.uniform(0.0, TASTE)
         options.append((least, len(options), shape))

@@ -18,8 +18,16 @@ import shapely
 from chord_usd.base.metrics.clear_floor import clearances, is_open_border, open_borders
 from chord_usd.base.metrics.fronts import FRONT, USED_SIDES, floor_before
 from chord_usd.base.scene.geometry import footprint, footprint_polygon, gaps, room_polygon
-from chord_usd.base.scene.trim import BOARD_M, CASING_M, DRIP_M
-from chord_usd.base.scene.types import WALL_THICKNESS_M, FloatArray, Item, Opening, Room, SceneGraph
+from chord_usd.base.scene.trim import DRIP_M, boards, casings
+from chord_usd.base.scene.types import (
+    WALL_THICKNESS_M,
+    Box,
+    FloatArray,
+    Item,
+    Opening,
+    Room,
+    SceneGraph,
+)
 
 Span = tuple[float, float]
 
@@ -28,8 +36,8 @@ LEAST_WALL_M = 0.3
 _WALLS = 16
 """Sides of a room that are looked at, the longest ones."""
 TOUCH_M = 1e-4
-_BESIDE_M = {"door": CASING_M[0] + 0.005, "window": BOARD_M[1] + 0.005}
-"""Kept beside the hole of an opening: for its casing, or for the ends of its board."""
+_TRIM_GAP_M = 0.003
+"""Between units and casings or boards."""
 BEFORE_M = 0.6
 """Depth of the floor before what is used."""
 _AT_WALL_M = WALL_THICKNESS_M / 2 + 0.1
@@ -148,10 +156,11 @@ def site_of(house: SceneGraph, room: Room, stays: Iterable[Item], moves: Iterabl
     ends = np.array(
         [[box_end(one, -0.5), box_end(one, 0.5)] for one in own if one.kind != "window"]
     )
+    trim = _trim_of(list(dict.fromkeys(one for one, _ in clear)), room)
     lengths = np.hypot(*(np.roll(corners, -1, axis=0) - corners).T)
     longest = sorted(np.argsort(-lengths, kind="stable")[:_WALLS].tolist())
     walls = tuple(
-        _wall(index, corners, clear, own, [footprint(one) for one in borders], standing)
+        _wall(index, corners, clear, own, [footprint(one) for one in borders], standing, trim)
         for index in longest
         if lengths[index] >= LEAST_WALL_M
     )
@@ -197,6 +206,7 @@ def _wall(
     openings: Sequence[Opening],
     borders: Sequence[FloatArray],
     standing: Sequence[FloatArray],
+    trim: Sequence[tuple[Box, float]],
 ) -> Wall:
     start, end = corners[index], corners[(index + 1) % len(corners)]
     length = math.dist(start, end)
@@ -207,9 +217,9 @@ def _wall(
     edges = bare.local(np.delete(others, index, axis=0)).reshape(-1, 4)
     blocks = []
     for opening, shape in clear:
-        beside = _BESIDE_M.get(opening.kind, 0.0)
         sill = opening.box.center_m[2] - DRIP_M[1] if opening.kind == "window" else _OUT
-        blocks.append([*_extent(bare, shapely.get_coordinates(shape), beside), sill])
+        blocks.append([*_extent(bare, shapely.get_coordinates(shape)), sill])
+    blocks += [[*_extent(bare, footprint(one), _TRIM_GAP_M), low] for one, low in trim]
     blocks += [[*_extent(bare, shape), _OUT] for shape in standing]
     # No wall is behind what would stand at an open border.
     blocks += [[low, high, 0.0, 0.1, _OUT] for low, high in _along(bare, borders)]
@@ -221,11 +231,17 @@ def _wall(
     )  # fmt: skip
 
 
-def _extent(wall: Wall, points_m: FloatArray, beside: float = 0.0) -> tuple[float, ...]:
-    (s_from, t_from), (s_to, t_to) = (
-        edge(wall.local(points_m), axis=0) for edge in (np.min, np.max)
-    )
-    return float(s_from) - beside, float(s_to) + beside, float(t_from), float(t_to)
+def _extent(wall: Wall, points_m: FloatArray, beside: float = 0.0) -> list[float]:
+    """s from and to, t from and to. beside: how much more on all sides."""
+    own = wall.local(points_m)
+    low, high = own.min(axis=0) - beside, own.max(axis=0) + beside
+    return [float(low[0]), float(high[0]), float(low[1]), float(high[1])]
+
+
+def _trim_of(openings: Iterable[Opening], room: Room) -> list[tuple[Box, float]]:
+    """Casings and window boards, and the height from which they keep pieces out."""
+    found = [(leg, _OUT) for one in openings for leg in casings(one, room)]
+    return found + [(one, one.center_m[2]) for each in openings for one in boards(each, room)]
 
 
 def _along(wall: Wall, shapes: Iterable[FloatArray]) -> Iterator[Span]:
