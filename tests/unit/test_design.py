@@ -11,6 +11,7 @@ import shapely
 from shapely.affinity import rotate, translate
 
 from chord_usd.base.metrics.design import Finding, design_of
+from chord_usd.base.metrics.design.price import tight
 from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
@@ -169,3 +170,11 @@ def test_a_home_lacks_seats_for_its_sleepers() -> None:
     assert {one.rule: one.have for one in design_of([bare]).home.findings}[
         "diners without a seat"
     ] == 1
+
+
+def test_floor_that_pieces_cut_off_is_tight() -> None:
+    row: list[Piece] = [("cabinet", 2.0, 1.5, long, 0.6, 2.2, 0) for long in (3.9, 2.8)]
+    for pieces, parts in ((row[:1], 1), (row[1:], 0), ([], 0)):
+        graph = home("living", pieces)
+        view = View(shells(graph.rooms, graph.openings)["room"], graph.items)
+        assert tight(view) == parts

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import cv2
 import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
@@ -23,6 +24,11 @@ HOME = 3.0
 _TIGHT = 0.04
 """A piece in another, in a wall or before an opening; faults weigh how far."""
 
+_CELL_M, _MARGIN_M = 0.05, 0.3
+"""Of the raster in which floor hangs together where 20 cm are free."""
+_PART_M2 = 0.1
+"""Smaller parts of it, without the 10 cm at their edges, are no floor that is missed."""
+
 
 def broken_share(view: View) -> float:
     """Share of the rules that a room breaks, by weight; its dining table's are among them."""
@@ -37,9 +43,26 @@ def home_price(home: HomeView) -> float:
 
 
 def tight(view: View) -> int:
-    """How many pieces stand in others, in walls or before openings: an estimate that is fast
-    enough for every draft."""
-    return int((conflicts(view) > TOUCH_M).any(axis=1).sum())
+    """How many pieces stand in others, in walls or before openings, and how many parts of the floor
+    pieces cut off: an estimate that is fast enough for every draft."""
+    return int((conflicts(view) > TOUCH_M).any(axis=1).sum()) + cut_off(view)
+
+
+def cut_off(view: View) -> int:
+    """How many parts of the floor one gets to over no gap that is passed sideways, beyond the
+    largest."""
+    low = view.shell.room.polygon_m.min(axis=0) - _MARGIN_M
+    size = np.ptp(view.shell.room.polygon_m, axis=0) + 2 * _MARGIN_M
+    width, height = np.ceil(size / _CELL_M).astype(int).tolist()
+    floor = np.zeros((height, width), np.uint8)
+    outlines = [view.shell.room.polygon_m, *view.corners[view.stands]]
+    for value, outline in zip((1, *[0] * len(outlines)), outlines, strict=False):
+        cells = np.rint((outline - low) / _CELL_M).astype(np.int32)
+        cv2.fillPoly(floor, [cells], value)
+    eroded = cv2.erode(floor, np.ones((5, 5), np.uint8))
+    count, _, stats, _ = cv2.connectedComponentsWithStats(eroded, connectivity=4)
+    areas_m2 = stats[1:count, cv2.CC_STAT_AREA] * _CELL_M**2
+    return max(0, int((areas_m2 > _PART_M2).sum()) - 1)
 
 
 def conflicts(view: View) -> FloatArray:
