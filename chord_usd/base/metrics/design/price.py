@@ -58,7 +58,7 @@ def cut_off(view: View) -> int:
     outlines = [view.shell.room.polygon_m, *view.corners[view.stands]]
     for value, outline in zip((1, *[0] * len(outlines)), outlines, strict=False):
         cells = np.rint((outline - low) / _CELL_M).astype(np.int32)
-        cv2.fillPoly(floor, [cells], value)
+        cv2.fillPoly(floor, [cells], (value,))
     eroded = cv2.erode(floor, np.ones((5, 5), np.uint8))
     count, _, stats, _ = cv2.connectedComponentsWithStats(eroded, connectivity=4)
     areas_m2 = stats[1:count, cv2.CC_STAT_AREA] * _CELL_M**2
