@@ -87,15 +87,20 @@ class Shape:
         return self.form != "galley"
 
 
-def shapes(site: Site, depth: float, height: float) -> Iterator[Shape]:
-    """Every shape that the free walls of a room allow, at full length and shorter."""
+def shapes(
+    site: Site, depth: float, height: float, least_alone: float = LEAST_ALONE_M
+) -> Iterator[Shape]:
+    """Every shape that the free walls of a room allow, at full length and shorter.
+
+    least_alone: metres of a run without another.
+    """
     spans = {
         wall.index: [_Stretch(wall, *span) for span in wall.spans(depth, height, LEAST_M)]
         for wall in site.walls
     }
     every = [one for own in spans.values() for one in own]
     for one in every:
-        if one.length >= LEAST_ALONE_M:
+        if one.length >= least_alone:
             yield from (Shape("one wall", (run,)) for run in _cut(one.run(depth)))
     for index, one in enumerate(every):
         for other in every[index + 1 :]:

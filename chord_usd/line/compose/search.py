@@ -15,7 +15,7 @@ import shapely
 from chord_usd.base.scene.types import BoolArray, FloatArray
 from chord_usd.line.compose import prices
 from chord_usd.line.compose.prices import price, short
-from chord_usd.line.compose.runs import CELL_M, Run, Shape, seen, shapes
+from chord_usd.line.compose.runs import CELL_M, LEAST_ALONE_M, Run, Shape, seen, shapes
 from chord_usd.line.compose.site import Site
 from chord_usd.line.compose.talls import Talls, talls
 from chord_usd.line.compose.widths import FILLED, FITS, NARROW, cornered, washed
@@ -31,6 +31,8 @@ EFFORT = 40
 COOKER_CELLS = 12
 SINK_CELLS = 12, 16
 """The wider one where there is much worktop."""
+_COMPACT_SINK_CELLS = 10
+_COMPACT_RUN_M = (_COMPACT_SINK_CELLS + COOKER_CELLS) * CELL_M
 _WIDE_SINK_FROM_M = 3.4
 _WIDE_SINKS = 0.6
 """Share of such kitchens."""
@@ -58,6 +60,8 @@ class Wanted:
     height: float = 0.87
     """Of worktops."""
     effort: int = EFFORT
+    compact: bool = False
+    """Whether a narrow sink will do, and a run that holds sink and cooker alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +97,8 @@ def search(site: Site, wanted: Wanted, depth: float, rng: np.random.Generator) -
     """Kitchens so deep, the best of each shape, from the cheapest on."""
     taste = {form: rng.uniform(0.0, TASTE) for form in ("one wall", "galley", "L", "U")}
     options: list[tuple[float, int, Shape]] = []
-    for shape in shapes(site, depth, wanted.height):
+    alone = _COMPACT_RUN_M if wanted.compact else LEAST_ALONE_M
+    for shape in shapes(site, depth, wanted.height, alone):
         least = _shape_cost(site, shape, wanted) + taste[shape.form] + rng.uniform(0.0, TASTE)
         options.append((least, len(options), shape))
     options.sort(key=lambda one: one[:2])
@@ -164,7 +169,7 @@ def _best_pair(
     be worth a look."""
     worktop = sum(run.cells for run in shape.runs) * CELL_M - tall.all_cells * CELL_M
     is_wide = worktop > _WIDE_SINK_FROM_M and rng.random() < _WIDE_SINKS
-    sink_cells = SINK_CELLS[is_wide]
+    sink_cells = _COMPACT_SINK_CELLS if wanted.compact else SINK_CELLS[is_wide]
     best: Found | None = None
     start, most = bounds
     if start > most:
@@ -452,7 +457,8 @@ def _washes(run: Run, sink: _Row, low: np.ndarray, high: np.ndarray) -> BoolArra
 def cheapest(
     site: Site, wanted: Wanted, rng: np.random.Generator, depths: Sequence[float]
 ) -> list[Found]:
-    """The best kitchens of all depths, from the cheapest on; less deep ones only where needed."""
+    """The best kitchens of all depths, from the cheapest on; less deep ones, and compact ones, only
+    where no other fits."""
     found: list[Found] = []
     for nth, depth in enumerate(depths):
         if found and found[0].cost < _GOOD:
@@ -460,4 +466,6 @@ def cheapest(
         extra = nth * price("shallow", site.area_m2)
         found += [replace(one, cost=one.cost + extra) for one in search(site, wanted, depth, rng)]
         found.sort(key=lambda one: one.cost)
+    if not found and not wanted.compact:
+        return cheapest(site, replace(wanted, compact=True), rng, depths)
     return found
