@@ -45,7 +45,14 @@ def _type_of(option: Option) -> Any:
         if isinstance(least, int):
             return whole_number(least, int(most))
         return real_number(least, most, " metres per pixel")
-    return sky if option.name == "sky" else option.check or str
+    return sky if option.name == "sky" else option.check or _filled
+
+
+def _filled(text: str) -> str:
+    """An option type: a text that holds something."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("is empty")
+    return text
 
 
 def settings_of(options: argparse.Namespace) -> Settings:
