@@ -35,6 +35,8 @@ def _add(parser: Options, option: Option, default: object, help: str) -> None:
             f"--{option.word}", choices=option.choices, default=default, **arguments
         )
     else:
+        # argparse gives texts that are defaults to the type, too.
+        default = None if default == "" else default
         arguments |= {"type": _type_of(option), "metavar": option.metavar, "default": default}
         parser.add_argument(f"--{option.word}", **arguments)
 
@@ -63,9 +65,8 @@ def settings_of(options: argparse.Namespace) -> Settings:
     chosen = {name: getattr(options, name) for name in OPTIONS if hasattr(options, name)}
     if "asset_folders" in chosen:
         chosen["asset_folders"] = tuple(chosen["asset_folders"])
-    for name in ("style", "seed"):
-        if name in chosen and chosen[name] is None:
-            chosen[name] = "" if name == "style" else OPTIONS[name].default
+    for name in [name for name, value in chosen.items() if value is None]:
+        chosen[name] = "" if name == "style" else OPTIONS[name].default
     return Settings(**chosen)
 
 
