@@ -232,7 +232,7 @@ def test_another_seed_gives_another_layout(
     assert target.read_bytes() != (first_draw.folder / "layout.png").read_bytes()
     # The verb alone draws what it draws within the line.
     assert run_cli(*words, "--seed", 0).returncode == 0
-    assert target.read_bytes() == (first_draw.folder / "layout.png").read_bytes()
+    assert target.read_bytes() == (first_draw.folder / "kept/layout_first.png").read_bytes()
 
 
 def test_the_steps_one_by_one_give_the_same_furniture(

@@ -51,7 +51,7 @@ def test_only_what_is_damaged_is_made_again(run_cli, folder: Path) -> None:
     done = run_cli("batch", EXAMPLES / "studio.png", "-o", folder, *QUICK, *PICTURES)
     assert done.returncode == 0, done.stderr
     changed = {file for file, time in times(house).items() if before[file] != time}
-    assert changed == {"pictures.json", "pictures/Top.png", "pictures/Top.exr"}
+    assert changed == {"costs.json", "pictures/Top.png", "pictures/Top.exr"}
 
     pictures = {file: time for file, time in times(house).items() if "pictures/" in file}
     (house / "scene.json").write_text("{}")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-import chord_usd.faces.commands.common as offered
+import chord_usd.base.scene.settings as offered
 from chord_usd.base.errors import CheckpointError, ChordError
 from chord_usd.base.raster.canvas import paint_layout
 from chord_usd.base.runtime.checksums import SUMS_FILE

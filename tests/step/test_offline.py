@@ -37,6 +37,7 @@ QUICK: dict[str, str] = {
     "farm bundle": "{house} -o {out}/bundle",
     "farm due": "{job} -o {out}/pictures",
     "check": "{house}",
+    "completion": "bash",
     "describe": "{house}",
     "export": "{house} --for gltf -o {out}/house.glb",
     "diff": "{house} {house}",

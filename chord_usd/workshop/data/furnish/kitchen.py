@@ -19,6 +19,9 @@ def furnish_kitchen(floor: Floor, plan: Plan) -> None:
         effort=_EFFORT,
     )  # fmt: skip
     for unit in units:
+        is_single = unit.category == "single_door_floor_cabinet"
+        if is_single and mix.single_door < 1.0 and dice.random() >= mix.single_door:
+            continue
         floor.put_box(unit.category, unit.box, core=unit.category != "refrigerator")
 
 

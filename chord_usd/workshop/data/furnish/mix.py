@@ -70,6 +70,8 @@ class Mix:
     refrigerator: float
     electrical: float
     """Kitchens with an oven or microwave in a cabinet."""
+    single_door: float
+    """Cabinets with one door that a composed kitchen keeps: the paper's kitchens have fewer."""
     washbasin: float
     """Bathrooms up to 5.5 m2 with the basin inside, not in front of them."""
     bathtub: float
@@ -91,7 +93,7 @@ PAPER = Mix(
     single_sofas=(0.25, 0.4, 0.35), living_armchair=0.55, living_cabinet=0.1, living_covered=0.0,
     shoe_cabinet=0.8, living_dining=0.3, living_dining_small=0.06, dining_cabinet=0.75,
     dining_cabinet_at_table=0.6, dining_cabinet_living=0.4, refrigerator=0.13,
-    electrical=0.22, washbasin=0.72, bathtub=0.08, washing_machine=0.06,
+    electrical=0.22, single_door=0.58, washbasin=0.72, bathtub=0.08, washing_machine=0.06,
     refrigerator_anywhere=0.0, washing_machine_anywhere=0.0, balcony_armchair=0.3,
 )  # fmt: skip
 
@@ -103,7 +105,7 @@ HOMES = Mix(
     single_sofas=(0.1, 0.4, 0.5), living_armchair=0.7, living_cabinet=0.75, living_covered=0.27,
     shoe_cabinet=0.8, living_dining=0.9, living_dining_small=0.6, dining_cabinet=0.75,
     dining_cabinet_at_table=0.6, dining_cabinet_living=0.65, refrigerator=1.0, electrical=0.85,
-    washbasin=1.0, bathtub=0.33, washing_machine=0.45, refrigerator_anywhere=1.0,
+    single_door=1.0, washbasin=1.0, bathtub=0.33, washing_machine=0.45, refrigerator_anywhere=1.0,
     washing_machine_anywhere=1.0, balcony_armchair=0.3,
 )  # fmt: skip
 
