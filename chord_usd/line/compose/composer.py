@@ -42,12 +42,14 @@ def compose(
     stays: Collection[Item] = (),
     without: Collection[str] = frozenset(),
     effort: int = EFFORT,
+    compact: bool = True,
 ) -> list[Unit]:
     """Units for a room of a house, [] where no run fits in.
 
     hints: where lists, a picture or a drawing have units: walls and extents are taken from them
     where numbers allow. stays: pieces that units stand beside; other pieces may move, and are paid
     for. without: categories that are not wanted. effort: shapes that are looked at.
+    compact: whether a sink narrower than usual will do where nothing else fits.
     """
     held = {item.id for item in stays}
     moves = [item for item in house.items_of(room.id)
@@ -60,7 +62,7 @@ def compose(
     rng = np.random.default_rng(seed)
     stood_on = shapely.union_all([footprint_polygon(item.box) for item in stays])
     floor = room_polygon(room).difference(stood_on)
-    options = cheapest(site, wanted, rng, DEPTHS_M)[: 1 + effort // _EACH]
+    options = cheapest(site, wanted, rng, DEPTHS_M, compact=compact)[: 1 + effort // _EACH]
     # All rules weigh nearly the same there: a cooker at the end of its run is worse than that.
     options = [one for one in options if one.cost < options[0].cost + _MOST_APART]
     best: tuple[tuple[int, float], list[Unit]] | None = None

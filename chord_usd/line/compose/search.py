@@ -455,7 +455,12 @@ def _washes(run: Run, sink: _Row, low: np.ndarray, high: np.ndarray) -> BoolArra
 
 
 def cheapest(
-    site: Site, wanted: Wanted, rng: np.random.Generator, depths: Sequence[float]
+    site: Site,
+    wanted: Wanted,
+    rng: np.random.Generator,
+    depths: Sequence[float],
+    *,
+    compact: bool = False,
 ) -> list[Found]:
     """The best kitchens of all depths, from the cheapest on; less deep ones, and compact ones, only
     where no other fits."""
@@ -466,6 +471,6 @@ def cheapest(
         extra = nth * price("shallow", site.area_m2)
         found += [replace(one, cost=one.cost + extra) for one in search(site, wanted, depth, rng)]
         found.sort(key=lambda one: one.cost)
-    if not found and not wanted.compact:
+    if not found and compact:
         return cheapest(site, replace(wanted, compact=True), rng, depths)
     return found

@@ -16,7 +16,7 @@ def furnish_kitchen(floor: Floor, plan: Plan) -> None:
     floor.new_group()
     units = compose(
         plan.scene(), floor.room, dice.getrandbits(32), hints=floor.hints, without=without,
-        effort=_EFFORT,
+        effort=_EFFORT, compact=False,
     )  # fmt: skip
     for unit in units:
         is_single = unit.category == "single_door_floor_cabinet"
