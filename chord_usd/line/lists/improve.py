@@ -46,23 +46,23 @@ def improved(view: View, home: Callable[[View], float], entrance: str) -> View:
     home: what the home costs with a draft of this room. entrance: id of the front door.
     """
 
-    def cost(tried: View) -> float:
-        return quick_price(tried) + home(tried)
-
-    price = cost(view)
+    most = tight(view)
+    price = quick_price(view, most) + home(view)
     proposals = list(_PROPOSALS.get(view.shell.kind, ()))
     doors = [hole for hole in view.shell.holes if hole.id == entrance]
     if doors and stands_in("shoe_cabinet", view.shell.kind):
         proposals.append(partial(_shoes, door=doors[0]))
     for propose in proposals:
-        best = None
+        best, left = view, most
         for items in propose(view):
             tried = View(view.shell, items, view.screens)
-            if tight(tried) > tight(view):
+            faults = tight(tried)
+            if faults > most:
                 continue
-            if (least := cost(tried)) < price - _LEAST_GAIN:
-                best, price = tried, least
-        view = best or view
+            least = quick_price(tried, faults) + home(tried)
+            if least < price - _LEAST_GAIN:
+                best, price, left = tried, least, faults
+        view, most = best, left
     return view
 
 
@@ -158,8 +158,7 @@ def _bedsides(view: View) -> Iterator[Change]:
             for nth, side in enumerate((-1, 1)):
                 x, y = to_world(box, (side * (box.size_m[0] + size[0]) / 2, back))
                 own = Box((float(x), float(y), 0.0), size, box.yaw_deg)
-                room = view.shell.room.id
-                pair.append(Item(f"{room}/bedside_table_{nth}", "bedside_table", own, room))
+                pair.append(_new(view, "bedside_table", own, nth))
             yield (*rest, *pair)
             for one in pair:
                 yield (*rest, one)
@@ -189,7 +188,6 @@ def _coffee_table(view: View) -> Iterator[Change]:
         return
     sofa = max(sofas, key=lambda at: view.length[at])
     box = view.items[sofa].box
-    room = view.shell.room.id
     size = view.items[tables[0]].box.size_m if tables else (0.9, 0.55, 0.42)
     ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + size[1] / 2)
     x, y = to_world(box, (0.0, ahead))
@@ -197,7 +195,7 @@ def _coffee_table(view: View) -> Iterator[Change]:
     if tables:
         yield _with(view, tables[0], own)
     else:
-        yield (*view.items, Item(f"{room}/coffee_table_0", "coffee_table", own, room))
+        yield (*view.items, _new(view, "coffee_table", own))
 
 
 def _armchairs(view: View) -> Iterator[Change]:
@@ -209,7 +207,6 @@ def _armchairs(view: View) -> Iterator[Change]:
     box = view.items[sofa].box
     focus = tables[0] if tables else sofa
     u, v = view.own(sofa, view.at[focus])
-    room = view.shell.room.id
     chairs = view.of("single_sofa", "leisure_sofa")
     size = view.items[chairs[0]].box.size_m if chairs else (0.8, 0.8, 0.85)
     category = view.categories[chairs[0]] if chairs else "single_sofa"
@@ -221,7 +218,7 @@ def _armchairs(view: View) -> Iterator[Change]:
             x, y = to_world(box, (u + side * (reach + out), -v - 0.1))
             yaw = wrap_deg(box.yaw_deg - 90.0 * side)
             own = Box((float(x), float(y), 0.0), size, yaw)
-            seats.append((side, Item(f"{room}/{category}_{nth}", category, own, room)))
+            seats.append((side, _new(view, category, own, nth)))
     for _, seat in seats:
         yield (*rest, seat)
     for one_side, one in seats:

@@ -228,10 +228,6 @@ def dress_rooms(
 
     rooms: ids, by default all. keep: ids of dressing that stays as it is.
     """
-    from importlib.util import find_spec
-
-    if find_spec("chord_usd.line.dressing") is None:
-        return graph
     from chord_usd.line.dressing.dress import dress
 
     style = style_named(graph.style or settings.style or MIXED, settings.seed)

@@ -6,7 +6,7 @@
     *_rules    the rows, by what they are asked of
     price      rules and faults on one scale
 
-Sources are those of docs/design.md; "planning guides" have no number in a standard.
+Each row names its source; "planning guides" have no number in a standard.
 """
 
 from __future__ import annotations

@@ -93,9 +93,12 @@ def beyond_walls(view: View) -> FloatArray:
     return found
 
 
-def quick_price(view: View) -> float:
-    """The price of a draft by its rules and the estimate of its faults."""
-    return broken_share(view) + _TIGHT * tight(view)
+def quick_price(view: View, faults: int | None = None) -> float:
+    """The price of a draft by its rules and the estimate of its faults.
+
+    faults: of tight, where it is known.
+    """
+    return broken_share(view) + _TIGHT * (tight(view) if faults is None else faults)
 
 
 def full_price(view: View, fault: float) -> float:
