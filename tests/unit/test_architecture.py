@@ -54,7 +54,7 @@ ALLOWED: dict[str, set[str]] = {
     "arrange": {"graph", "stage"},
     "dressing": {"library"},
     "library": set(),
-    "data": {"library", "compose"},
+    "data": {"library", "compose", "lists"},
     "training": {"planning", "lists", "layout", "graph", "data"},
     "evaluation": {
         *("planning", "lists", "layout", "graph", "arrange", "data"),

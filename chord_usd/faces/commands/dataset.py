@@ -97,6 +97,10 @@ def _add_statistics(parser: argparse.ArgumentParser) -> None:
         "--statistics", choices=("homes", "paper"), default="homes",
         help="furnish as people live, or as sparsely as the paper's houses (homes)",
     )  # fmt: skip
+    parser.add_argument(
+        "--drafts", type=whole_number(1, 1000), default=1, metavar="N",
+        help="furnish N times, and keep what breaks the fewest planning rules (1)",
+    )  # fmt: skip
 
 
 def _add_import(group: Verbs) -> None:
@@ -132,8 +136,8 @@ def run_synth(options: argparse.Namespace) -> Outcome:
     import numpy as np
 
     from chord_usd.workshop.data.floorplans.programme import spread_room_count
-    from chord_usd.workshop.data.furnish import furnish
     from chord_usd.workshop.data.houses import random_plan
+    from chord_usd.workshop.data.searched import furnish_best
 
     watch, lacks = stopwatch(options), _Lacking()
     with (
@@ -144,7 +148,8 @@ def run_synth(options: argparse.Namespace) -> Outcome:
             seed = options.seed + index
             rooms = options.rooms or spread_room_count(seed)
             rng = np.random.default_rng(seed)
-            scene = furnish(random_plan(rng, rooms), rng, options.statistics)
+            plan = random_plan(rng, rooms)
+            scene = furnish_best(plan, rng, options.drafts, options.statistics)
             lacks.note(f"house_{seed:06d}", scene)
             _write_house(scene, folder / f"house_{seed:06d}", options.rasters)
             progress(index + 1, options.count)
@@ -163,7 +168,7 @@ def run_import(options: argparse.Namespace) -> Outcome:
 
     from chord_usd.line.pipeline import arrange_given
     from chord_usd.workshop.data.foreign import Models, foreign_houses, read_models_file
-    from chord_usd.workshop.data.furnish import furnish
+    from chord_usd.workshop.data.searched import furnish_best
 
     models = read_models_file(existing_file(options.models)) if options.models else Models()
     if not options.source.is_dir():
@@ -175,7 +180,7 @@ def run_import(options: argparse.Namespace) -> Outcome:
         for name, scene in reading.of(foreign_houses(options.source, models)):
             if options.furnish and not scene.items:
                 rng = np.random.default_rng((options.seed, reading.count))
-                scene = furnish(scene.plan, rng, options.statistics)
+                scene = furnish_best(scene.plan, rng, options.drafts, options.statistics)
                 lacks.note(name, scene)
             if options.arrange:
                 arranged["pieces"] += len(scene.items)

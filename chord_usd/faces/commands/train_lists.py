@@ -100,6 +100,7 @@ def _pieces(options: argparse.Namespace, batch: int, own: Sequence[SceneGraph]) 
     from chord_usd.line.lists.pieces import PIECES
     from chord_usd.workshop.data.flats import read_flats
     from chord_usd.workshop.training.lists_data import (
+        HOMES_SHARE,
         batch_of,
         endless_batches,
         examples_in,
@@ -108,7 +109,12 @@ def _pieces(options: argparse.Namespace, batch: int, own: Sequence[SceneGraph]) 
     from chord_usd.workshop.training.lists_trainer import Task
 
     flats = read_flats(options.flats, part="train") if options.flats else []
-    batches = partial(endless_batches, flats, batch, procedural=options.houses, furnished=own)
+    # A kept set holds homes alone; another's folder is learned as it is.
+    is_foreign = options.furnished is not None and options.furnished.is_dir()
+    batches = partial(
+        endless_batches, flats, batch, procedural=options.houses, furnished=own,
+        sparse_share=0.0 if is_foreign else 1.0 - HOMES_SHARE,
+    )  # fmt: skip
     unseen = examples_in(unseen_of(options)) if own else held_out(50)
     return Task(PIECES, batches, batch_of(unseen[:_MOST_UNSEEN]) if unseen else None)
 

@@ -65,20 +65,24 @@ def endless_houses(
     rng: np.random.Generator,
     procedural: int | None = None,
     furnished: Sequence[SceneGraph] = (),
+    sparse_share: float = 0.0,
 ) -> Iterator[tuple[SceneGraph, pieces.Teacher]]:
     """Furnished houses that may be trained on, and whose they imitate.
 
-    procedural: how many different ones; None for no two alike. furnished: in place of all others.
+    procedural: how many different ones; None for no two alike. furnished: in place of all others,
+    but for a share of the paper's sparse houses, in [0, 1].
     """
-    while furnished:
-        yield furnished[int(rng.integers(len(furnished)))], "homes"
     while True:
+        if furnished and rng.random() >= sparse_share:
+            yield furnished[int(rng.integers(len(furnished)))], "homes"
+            continue
         if flats and rng.random() < FLAT_SHARE:
             plan, own = flats[int(rng.integers(len(flats)))], rng
         else:
             own = np.random.default_rng(training_seed(rng, procedural))
             plan = random_plan(own)
-        teacher = pieces.TEACHERS[int(own.random() >= HOMES_SHARE)]
+        is_home = own.random() < HOMES_SHARE and not furnished
+        teacher: pieces.Teacher = "homes" if is_home else "paper"
         yield furnish(plan, own, teacher), teacher
 
 
@@ -101,13 +105,14 @@ def endless_batches(
     pool: int = POOL,
     procedural: int | None = None,
     furnished: Sequence[SceneGraph] = (),
+    sparse_share: float = 0.0,
 ) -> Iterator[Batch]:
     """Batches of rooms. A pool of rooms is filled first, and renewed a little with each batch.
 
-    procedural, furnished: as of endless_houses.
+    procedural, furnished, sparse_share: as of endless_houses.
     """
     rng = np.random.default_rng(seed)
-    houses = endless_houses(flats, rng, procedural, furnished)
+    houses = endless_houses(flats, rng, procedural, furnished, sparse_share)
     rooms: list[Example] = []
     while len(rooms) < min(pool, 20 * batch):
         rooms += examples_of(*next(houses), rng)
