@@ -34,6 +34,7 @@ told["check_program"] = [*bpy.ops.chord.check_program(), s.answer()]
 told["offered"] = s.drawn()
 told["error"] = s.press("generate")
 told["running"] = []
+s.use(str(programs / "endless"))
 s.start("generate")
 told["running"] = s.drawn()
 told["second_job"] = s.start("check_house")
@@ -45,6 +46,7 @@ told["killed"] = s.wait()
 s.start("generate")
 bpy.ops.chord.cancel()
 told["cancelled"] = s.wait()
+s.use(str(programs / "good"))
 told["left_by_failures"] = s.houses()
 told["still"] = [room.name for room in own.rooms]
 told["after_failures"] = s.press("generate")
@@ -83,6 +85,7 @@ own.asset_folders = ""
 
 # A file is opened while a job runs.
 before = s.houses()
+s.use(str(programs / "endless"))
 s.start("generate")
 bpy.ops.wm.read_homefile(use_empty=True)
 own = s.own
@@ -92,6 +95,7 @@ for thread in threading.enumerate():
 told["left_by_file"] = sorted({*s.houses()} - {*before})
 told["left_running"] = session.is_running
 told["fresh"] = s.wait()
+s.use(str(programs / "good"))
 
 # The furniture becomes a library, and takes nobody's place.
 taken = s.folder / "Möbel"

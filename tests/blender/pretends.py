@@ -8,8 +8,11 @@ import time
 from pathlib import Path
 
 
-def main(answer: str, code: int, options: str, models: str, house: str) -> None:
-    """Answer this command line: with a version, with options, or with what is ready."""
+def main(answer: str, code: int, options: str, models: str, house: str, pause_s: float) -> None:
+    """Answer this command line: with a version, with options, or with what is ready.
+
+    pause_s: how long a house takes, once its progress is printed.
+    """
     if "--version" in sys.argv:
         sys.stdout.write(f"{answer}\n")
         sys.exit(code)
@@ -28,7 +31,7 @@ def main(answer: str, code: int, options: str, models: str, house: str) -> None:
         tell(assets=3)
     if verb == "generate":
         text = "".join(word.partition("=")[2] for word in sys.argv if word.startswith("--text="))
-        generate(text, Path(words["-o"]), house)
+        generate(text, Path(words["-o"]), house, pause_s)
 
 
 def refuse_elephants(words: list[str]) -> None:
@@ -38,8 +41,8 @@ def refuse_elephants(words: list[str]) -> None:
         sys.exit(2)
 
 
-def generate(text: str, target: Path, house: str) -> None:
-    """A house that is there already, after a while."""
+def generate(text: str, target: Path, house: str, pause_s: float) -> None:
+    """A house that is there already, after a pause."""
     if "elephant" in text:
         sys.stderr.write("error: --text: the text names no rooms; expected rooms, in words\n")
         sys.exit(2)
@@ -47,7 +50,7 @@ def generate(text: str, target: Path, house: str) -> None:
     missed = {"planned": planned, "warnings": ["asked for 2 bedrooms, planned 1"]} if text else {}
     sys.stderr.write(json.dumps({"step": "layout", "done": 1, "total": 4}) + "\n")
     sys.stderr.flush()
-    time.sleep(0.5)
+    time.sleep(pause_s)
     shutil.copytree(house, target.parent, dirs_exist_ok=True)
     tell(stage=str(target), certificate={"valid": True, "walkable": 0.9}, **missed)
 

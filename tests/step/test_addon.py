@@ -32,7 +32,7 @@ PRETENDS = """#!{python}
 import sys
 sys.path.insert(0, {folder!r})
 from pretends import main
-main({answer!r}, {code}, {options!r}, {models!r}, {house!r})
+main(*{answers!r})
 """
 """A program that answers as chord-usd does, and has everything ready."""
 
@@ -67,22 +67,18 @@ def programs(untouched: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(ROOT / "docs", models / "pictures")
     for asset in models.glob("*/*.usda"):
         shutil.copyfile(ROOT / "docs" / "layouts.png", models / "pictures" / f"{asset.stem}.png")
-    for name, answer, code, options in (
-        ("good", "chord-usd 9.0.0", 0, "--outline PNG --text TEXT --furniture WISHES"),
-        ("older", "chord-usd 0.1.0", 0, "--outline PNG"),
-        ("old", "chord-usd 0.0.1", 0, ""),
-        ("wrong", "Python 3.11.2", 0, ""),
-        ("broken", "", 3, ""),
+    for name, answer, code, options, pause_s in (
+        ("good", "chord-usd 9.0.0", 0, "--outline PNG --text TEXT --furniture WISHES", 0.0),
+        # What is killed or cancelled must not be finished first, however busy the machine is.
+        ("endless", "chord-usd 9.0.0", 0, "", 600.0),
+        ("older", "chord-usd 0.1.0", 0, "--outline PNG", 0.0),
+        ("old", "chord-usd 0.0.1", 0, "", 0.0),
+        ("wrong", "Python 3.11.2", 0, "", 0.0),
+        ("broken", "", 3, "", 0.0),
     ):
-        text = PRETENDS.format(
-            python=sys.executable,
-            folder=str(ROOT / "tests" / "blender"),
-            answer=answer,
-            code=code,
-            options=options,
-            models=str(models),
-            house=str(untouched.parent),
-        )
+        answers = (answer, code, options, str(models), str(untouched.parent), pause_s)
+        beside = str(ROOT / "tests" / "blender")
+        text = PRETENDS.format(python=sys.executable, folder=beside, answers=answers)
         (folder / name).write_text(text, encoding="utf-8")
         (folder / name).chmod(0o755)
     return folder
