@@ -12,9 +12,9 @@ import pytest
 from pxr import Sdf, Usd
 
 from chord_usd.base.scene.chord_json import read_scene, write_scene
+from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, Facts, Item
 from chord_usd.cli import main
-from chord_usd.line.stage.author.physics import KG_PER_M3
 
 SCENE = Path(__file__).parents[1] / "fixtures" / "furnished_house.json"
 ROOM = "/House/Rooms/Bedroom_0"
@@ -66,7 +66,7 @@ def test_the_sun_is_as_strong_as_the_house_says(dressed: Told) -> None:
 
 
 def test_what_moves_brings_what_a_swap_needs_to_weigh_it(dressed: Told) -> None:
-    assert dressed["densities"] == [KG_PER_M3["bowl"], None]
+    assert dressed["densities"] == [CATEGORIES["bowl"].kg_per_m3, None]
 
 
 def test_changes_as_root_keep_the_render_settings(dressed: Told) -> None:

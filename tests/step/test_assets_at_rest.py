@@ -9,11 +9,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from chord_usd.base.scene.palette import CATEGORIES, having
 from chord_usd.library.catalogue import designs
 from chord_usd.library.kit.model import Design
-from chord_usd.line.stage.author.physics import GRAVITY_M_PER_S2, KG_PER_M3
+from chord_usd.line.stage.author.physics import GRAVITY_M_PER_S2
 
-MOVABLE = [design for design in designs() if design.category in KG_PER_M3]
+MOVABLE = [design for design in designs() if design.category in having("moved")]
 STEP_S, SECONDS = 1 / 240, 2.0
 MOST_M, MOST_RAD = 0.01, 0.1
 APART_M = 4.0
@@ -87,7 +88,7 @@ def _add_body(spec: Any, design: Design, at_m: tuple[float, float, float]) -> No
     body.add_freejoint()
     parts = design.parts()
     boxes = [bounds for part in parts for bounds in part.felt_boxes_m().values()]
-    mass = KG_PER_M3[design.category] * float(np.prod(design.size_m))
+    mass = CATEGORIES[design.category].kg_per_m3 * float(np.prod(design.size_m))
     density = mass / sum(float(np.prod(high - low)) for low, high in boxes)
     for low, high in boxes:
         body.add_geom(

@@ -9,8 +9,9 @@ import shapely
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
 from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.palette import CATEGORIES, having
 from chord_usd.base.scene.types import SceneGraph
-from chord_usd.line.stage.author.physics import DOOR_OPENS_DEG, KG_PER_M3
+from chord_usd.line.stage.author.physics import DOOR_OPENS_DEG
 from chord_usd.line.stage.shell.walls import build_walls
 
 PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -30,7 +31,7 @@ def test_people_move_chairs_and_cups_but_not_beds(stage: Usd.Stage) -> None:
             continue
         seen.add(category)
         moves = prim.HasAPI(UsdPhysics.RigidBodyAPI)
-        assert moves == (category in KG_PER_M3), prim.GetPath()
+        assert moves == (category in having("moved")), prim.GetPath()
         if moves:
             assert 0.01 < UsdPhysics.MassAPI(prim).GetMassAttr().Get() < 150.0
     assert {"bed", "coffee_cup"} <= seen
@@ -44,7 +45,7 @@ def test_mass_grows_with_size(stage: Usd.Stage, staged_graph: SceneGraph) -> Non
     }
     for item in staged_graph.items:
         if item.id in masses:
-            expected = KG_PER_M3[item.category] * np.prod(item.box.size_m)
+            expected = CATEGORIES[item.category].kg_per_m3 * np.prod(item.box.size_m)
             assert np.isclose(masses[item.id], expected, rtol=1e-3)
 
 

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from chord_usd.base.scene import label_sets
-from chord_usd.base.scene.label_sets import LABEL_SETS, OWN, class_of, classes_of
-from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.label_sets import LABEL_SETS, OWN, class_of, classes_of, wikidata_item
+from chord_usd.base.scene.palette import CATEGORIES, category_rows
 from chord_usd.line.image.annotations import BUILDING, coco
 
-TABLE = Path(label_sets.__file__).with_suffix(".tsv")
 OTHERS = [name for name in LABEL_SETS if name != OWN]
 
 PUBLISHED = {
@@ -33,11 +30,9 @@ def test_classes_have_their_published_ids(name: str) -> None:
 
 
 def test_every_label_has_a_row_of_classes_that_the_sets_have() -> None:
-    rows = [line.split("\t") for line in TABLE.read_text().splitlines() if line[0] != "#"]
-    assert {row[0] for row in rows} >= {*CATEGORIES, *BUILDING}
-    for label, *names, item in rows:
-        assert len(names) == len(OTHERS)
-        assert re.fullmatch(r"Q[1-9]\d+", item)
+    assert category_rows().keys() >= {*CATEGORIES, *BUILDING}
+    for label in category_rows():
+        assert re.fullmatch(r"Q[1-9]\d+", wikidata_item(label))
         for name in OTHERS:
             assert class_of(label, name) in {*classes_of(name), None}
         assert class_of(label, "nyu40") is not None  # it has classes for all that is left over

@@ -26,19 +26,13 @@ from chord_usd.base.scene.geometry import (
     room_polygon,
     room_sides,
 )
-from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.palette import CATEGORIES, having
 from chord_usd.base.scene.types import FloatArray, Item, Room, RoomKind, SceneGraph
 
-SEATS = frozenset(("sofa", "single_sofa", "leisure_sofa"))
-TABLES = frozenset(("dining_table", "table"))
-FACED = frozenset(("coffee_table", "tv_cabinet"))
+SEATS, TABLES, FACED = having("seat"), having("table"), having("faced")
 """What a sofa looks at."""
 
-WALLED = frozenset(
-    ("bed", "toilet", "washbasin", "cabinet", "tv_cabinet", "dining_cabinet", "shoe_cabinet",
-     "single_door_floor_cabinet", "double_door_floor_cabinet", "cooker_cabinet", "sink_cabinet",
-     "electrical_floor_cabinet", "refrigerator", "washing_machine", "washing_set")
-)  # fmt: skip
+WALLED = having("walled")
 """Pieces that stand with their back to a wall."""
 
 
@@ -61,8 +55,8 @@ ESSENTIALS: dict[RoomKind, tuple[Essential, ...]] = {
     "kitchen": (_one("sink", "sink_cabinet"), _one("cooker", "cooker_cabinet")),
     "bathroom": (
         _one("toilet"),
-        _one("washbasin", "washbasin", "washing_set"),
-        _one("shower or bathtub", "shower", "bathtub"),
+        _one("washbasin", *having("basin")),
+        _one("shower or bathtub", *having("bathing")),
     ),
 }
 """By kind of room, the most needed first. A dining table also takes DINERS chairs."""

@@ -27,28 +27,14 @@ from chord_usd.base.scene.geometry import (
     in_world,
     room_polygon,
 )
+from chord_usd.base.scene.palette import CATEGORIES, Side, having
 from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph
 
-Side = tuple[int, int]
-"""Of a piece, in its frame: (0, -1) is its front."""
-
 FRONT: Side = (0, -1)
-_BESIDE: tuple[Side, ...] = ((-1, 0), (1, 0))
-
-USED_SIDES: dict[str, tuple[Side, ...]] = {
-    **dict.fromkeys(
-        ("sink_cabinet", "cooker_cabinet", "refrigerator", "electrical_floor_cabinet", "washbasin",
-         "toilet", "shower", "washing_machine", "washing_set", "cabinet", "shoe_cabinet",
-         "dining_cabinet", "sofa", "single_sofa", "leisure_sofa"),
-        (FRONT,),
-    ),
-    "bathtub": (FRONT, (0, 1), *_BESIDE),
-    "bed": (FRONT, *_BESIDE),
-}  # fmt: skip
+USED_SIDES = {row.name: row.used_from for row in CATEGORIES.values() if row.used_from}
 """By category, the sides of which one has to be free."""
 
-SAT_ON = frozenset(("sofa", "single_sofa", "leisure_sofa"))
-PASSED_BEFORE_SEATS = frozenset(("coffee_table", "side_coffee_table"))
+PASSED_BEFORE_SEATS = having("low_table")
 """One sits down past these."""
 
 STRIP_M = (0.05, 0.25)
@@ -141,7 +127,7 @@ class _Floor:
     def _can_stand(self, item: Item, side: Side) -> bool:
         strip, place = _before(item.box, side, *STRIP_M), _before(item.box, side, 0.0, STAND_M)
         free_m2 = self._free.intersection(strip).area
-        if item.category in SAT_ON:
+        if item.category in having("seat"):
             free_m2 += self._tables.intersection(strip).area
             place = place.buffer(WALKER_RADIUS_M)
         return free_m2 >= OPEN_SHARE * strip.area and bool(self._walkable.intersects(place))

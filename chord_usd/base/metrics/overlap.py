@@ -23,6 +23,7 @@ from chord_usd.base.metrics.footprints import (
     is_underfoot,
     sibling_groups,
 )
+from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Item, SceneGraph
 
 MIN_OVERLAP_M2 = 1e-4
@@ -31,14 +32,8 @@ MIN_OVERLAP_M2 = 1e-4
 STACKED_TOLERANCE_M = 0.01
 """An item whose underside is at most this far below another's upper side stands on it."""
 
-NATURAL_PAIRS: frozenset[frozenset[str]] = frozenset(
-    frozenset(pair)
-    for pair in (
-        ("bed", "bed_background"),
-        ("sofa", "sofa_background"),
-        ("chair", "table"),
-        ("chair", "dining_table"),
-    )
+NATURAL_PAIRS = frozenset(
+    frozenset((row.name, other)) for row in CATEGORIES.values() for other in row.overlaps
 )
 """Categories that overlap by nature: a panel behind what leans on it, a chair under a table."""
 

@@ -7,13 +7,11 @@ from collections.abc import Iterator, Sequence
 import shapely
 
 from chord_usd.base.scene.geometry import footprint_polygon, to_own
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import Item
 from chord_usd.base.scene.units import wrap_deg
 
-KITCHEN_UNITS = frozenset((
-    "sink_cabinet", "cooker_cabinet", "refrigerator", "electrical_floor_cabinet",
-    "double_door_floor_cabinet", "single_door_floor_cabinet",
-))  # fmt: skip
+KITCHEN_UNITS = having("kitchen_unit")
 """What stands end to end."""
 
 JOINT_M = 0.06

@@ -9,12 +9,11 @@ Zhou et al. 2017), of the 40 classes of NYU Depth v2 as `classMapping40` has and
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
+
+from chord_usd.base.scene.palette import category_rows
 
 OWN = "chord"
 """Our own labels."""
-
-_FILE = Path(__file__).with_name("label_sets.tsv")
 
 # In the order of their ids, from 1; blanks are "_", "-" is an id that was never given.
 _COCO = """
@@ -65,7 +64,7 @@ def classes_of(label_set: str) -> dict[str, int]:
 
 def wikidata_item(label: str) -> str:
     """The Wikidata item (Q and a number) of a label of ours. Raises KeyError for others."""
-    return _table()[label][-1]
+    return category_rows()[label]["wikidata"]
 
 
 def class_of(label: str, label_set: str) -> str | None:
@@ -74,16 +73,8 @@ def class_of(label: str, label_set: str) -> str | None:
     Labels that are not ours, such as of a stage that somebody else made, stand for themselves
     where the set has them.
     """
-    named = _table().get(label)
-    if named is not None:
-        name = named[LABEL_SETS.index(label_set) - 1]
-        return None if name == "-" else name
+    row = category_rows().get(label)
+    if row is not None:
+        return None if row[label_set] == "-" else row[label_set]
     spaced = label.replace("_", " ")
     return spaced if spaced in classes_of(label_set) else _ELSE.get(label_set)
-
-
-@cache
-def _table() -> dict[str, tuple[str, ...]]:
-    """By our label, what each set but OWN calls it, and the Wikidata item."""
-    rows = (line.split("\t") for line in _FILE.read_text(encoding="utf-8").splitlines())
-    return {label: tuple(names) for label, *names in rows if not label.startswith("#")}

@@ -16,13 +16,13 @@ import shapely
 from chord_usd.base.metrics.overlap import overlaps_by_nature
 from chord_usd.base.metrics.walk import WALKER_RADIUS_M
 from chord_usd.base.scene.geometry import footprint_polygon, to_world
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import Box, Item, SceneGraph
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.arrange.arrangement import Arrangement
 from chord_usd.line.arrange.chairs_clear import SEAT, has_mesh, runs_into, tables_of
 
 RULE = "left a little askew"
-_ARMCHAIRS = ("single_sofa", "leisure_sofa")
 _TURN_DEG = (2.0, 6.0)
 _MOST_BACK_M = 0.05
 _TRIES = 6
@@ -40,7 +40,7 @@ def leave_askew(work: Arrangement) -> SceneGraph:
     items = {item.id: item for item in work.graph.items}
     tables = tables_of(work.graph.items)
     for item in work.graph.items:
-        if item.category not in (SEAT, *_ARMCHAIRS) or not work.may_move(item):
+        if item.category not in (SEAT, *having("easy_chair")) or not work.may_move(item):
             continue
         if not has_mesh(item) or any(edit.rule == RULE for edit in item.facts.edits):
             continue

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chord_usd.base.scene.geometry import in_world
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
@@ -135,8 +136,7 @@ def _top_of(item: Item, clear_m: float) -> Box:
     return in_world(top, item.box)
 
 
-_LOW = ("cabinet", "dining_cabinet", "shoe_cabinet", "tv_cabinet")
-_WORKTOPS = ("single_door_floor_cabinet", "double_door_floor_cabinet")
+_LOW, _WORKTOPS = having("sideboard"), having("floor_cabinet")
 
 
 def _on_piece(frame: RoomFrame, item: Item) -> Board | None:

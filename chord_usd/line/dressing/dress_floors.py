@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from chord_usd.base.scene.geometry import footprint_polygon, to_own, to_world
-from chord_usd.base.scene.palette import Mount, category
+from chord_usd.base.scene.palette import Mount, category, having
 from chord_usd.base.scene.types import Asset, Box, FloatArray, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
@@ -22,9 +22,6 @@ _RUG_FROM_WALL_M = 0.04
 _MOST = 1.35
 """A rug's sides over those wanted, at most."""
 
-_SEATS = ("sofa", "single_sofa", "leisure_sofa")
-_ON_RUG = (*_SEATS, "coffee_table", "side_coffee_table", "chair", "dining_table", "table", "bed",
-           "bedside_table")  # fmt: skip
 """What may stand on a rug in part."""
 
 _DOORS_SWING = ("piece", "dressing", "pane", "open", "front")
@@ -169,7 +166,7 @@ def _is_stood_in(frame: RoomFrame, box: Box) -> bool:
     return any(
         shapely.intersection(shape, footprint_polygon(item.box)).area > (0.02 if is_flat else 1e-4)
         for item in _standing(frame)
-        if not (is_flat and item.category in _ON_RUG)
+        if not (is_flat and item.category in having("on_rug"))
     )
 
 

@@ -7,18 +7,12 @@ from itertools import product
 
 from chord_usd.base.raster.relief import Relief
 from chord_usd.base.scene.geometry import in_world
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import family_of, nearest_length, stretched
 from chord_usd.line.dressing.wall_faces import WallFace
 
-WORKTOP = (
-    "single_door_floor_cabinet", "double_door_floor_cabinet", "cooker_cabinet", "sink_cabinet",
-    "electrical_floor_cabinet",
-)  # fmt: skip
-"""Categories of a run with a worktop."""
-
-_PLAIN = ("single_door_floor_cabinet", "double_door_floor_cabinet")
 _CABINET_BASE_M = 1.44
 _CABINET_M = 0.7
 _HOOD_BASE_M = 1.62
@@ -68,7 +62,7 @@ def dress_kitchen(frame: RoomFrame) -> None:
 def _units_at(frame: RoomFrame, face: WallFace) -> list[Placed]:
     """Low units with their back to a wall, from left to right."""
     found = []
-    for item in frame.of(*WORKTOP):
+    for item in frame.of(*having("worktop")):
         if item.box.size_m[2] <= _WORKTOP_M and face.has_back_of(item.box):
             low, high, _, _ = face.span_of(item.box)
             found.append((item, max(low, 0.0), min(high, face.length_m)))
@@ -135,7 +129,7 @@ def _rail(frame: RoomFrame, face: WallFace, units: Sequence[Placed]) -> None:
         return
     rails = frame.stock.family(frame.stock.offered("utensil_rail"), "utensil_rail")
     at = [(low + high) / 2 for item, low, high in units if item.category == "cooker_cabinet"]
-    beside = [one for one in units if one[0].category in _PLAIN]
+    beside = [one for one in units if one[0].category in having("floor_cabinet")]
     for _, low, high in sorted(beside, key=lambda one: abs((one[1] + one[2]) / 2 - (at or [0])[0])):
         for asset in sorted(rails, key=lambda a: (-a.size_m[0], a.id)):
             base_m = _CABINET_BASE_M - 0.05 - asset.size_m[2]

@@ -8,6 +8,7 @@ import numpy as np
 
 from chord_usd.base.raster.relief import Relief
 from chord_usd.base.scene.geometry import in_world
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import Asset, Box, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import nearest_length, stretched, within
@@ -32,8 +33,6 @@ _THICK_M = 0.034
 _ON_BED_M = 0.022
 """How high the folds of a throw lie on a duvet, which gives way."""
 
-_SEATS = ("sofa", "single_sofa", "leisure_sofa")
-
 
 @dataclass(frozen=True)
 class Seat:
@@ -54,7 +53,7 @@ def dress_pieces(frame: RoomFrame) -> None:
         if seat is not None:
             _throw_over_bed(frame, item, seat)
             _cushions_on_bed(frame, item, seat)
-    for item in frame.of(*_SEATS):
+    for item in frame.of(*having("seat")):
         seat = seat_of(frame.relief(item))
         if seat is not None:
             _throw_over_seat(frame, item, seat)

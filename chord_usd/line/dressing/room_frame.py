@@ -24,7 +24,7 @@ from chord_usd.base.scene.geometry import (
     room_polygon,
     to_world,
 )
-from chord_usd.base.scene.palette import CATEGORIES, Mount
+from chord_usd.base.scene.palette import CATEGORIES, Mount, having
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, FloatArray, Item, Opening, Room
 from chord_usd.library.asset_boards import boards_of
 from chord_usd.library.asset_relief import relief_of
@@ -228,15 +228,10 @@ def rounded(box: Box) -> Box:
     )
 
 
-RISING = frozenset(
-    ("tv_cabinet", "sink_cabinet", "washbasin", "bathtub", "cooker_cabinet", "washing_set")
-)
+RISING = having("rises")
 """Categories whose meshes may rise above their nominal height: a television, a tap."""
 
 _RISES_M = 0.02
-
-_FROM_ANY_SIDE = frozenset(("chair", "dining_table", "coffee_table", "side_coffee_table"))
-"""Pieces that are used from whichever side is free."""
 
 _KNEE_M = 0.3
 """What begins higher keeps nobody from standing before a front."""
@@ -263,7 +258,7 @@ def take_fronts(taken: TakenSpace, pieces: Iterable[Item]) -> None:
     """
     for item in pieces:
         row = CATEGORIES.get(item.category)
-        if row is None or row.mount is not Mount.FLOOR or item.category in _FROM_ANY_SIDE:
+        if row is None or row.mount is not Mount.FLOOR or item.category in having("any_side"):
             continue
         depth_m = 2 * WALKER_RADIUS_M if item.category in USED_SIDES else STRIP_M[1]
         floor = floor_before(item.box, FRONT, 0.0, depth_m)

@@ -13,9 +13,6 @@ MOST_STRETCH = 1.05
 
 MOST_DRESSING_STRETCH = 1.15
 
-_TO_MEASURE = ("curtain", "curtain_rail", "blind", "splashback", "rug")
-"""Dressing that is made to the measure of what it hangs or lies at, up to
-MOST_DRESSING_STRETCH; the rest keeps its size."""
 
 _OWN_HEIGHT_FROM = 0.85
 """A mesh that is scaled down less than this keeps its height."""
@@ -53,7 +50,7 @@ def fitted_box(box: Box, asset: Asset, row: Category, *, is_guess: bool) -> Box:
 
 def _hung_box(box: Box, asset: Asset, row: Category) -> Box:
     """What dressing fills, its back at the back of the box, its top or underside where that is."""
-    most = MOST_DRESSING_STRETCH if row.name in _TO_MEASURE else 1.0
+    most = MOST_DRESSING_STRETCH if "to_measure" in row.traits else 1.0
     ratio = np.array(box.size_m) / np.array(asset.size_m)
     scale = np.clip(ratio, 1.0 / most, most)
     if row.mount in (Mount.CEILING, Mount.WINDOW):

@@ -18,14 +18,13 @@ from chord_usd.base.scene.geometry import (
     to_own,
     to_world,
 )
+from chord_usd.base.scene.palette import CATEGORIES, having
 from chord_usd.base.scene.types import Box, FloatArray, Item, Room
 
-SEATS: dict[str, float] = {
-    "chair": 0.45, "leisure_sofa": 0.6, "single_sofa": 0.8, "sofa": 0.8
-}  # fmt: skip
+SEATS = {row.name: row.seat_reach_m for row in CATEGORIES.values() if row.seat_reach_m}
 """What people sit on, and how far from a table they still sit at it, metres."""
 
-SAT_AT = frozenset(("table", "dining_table", "coffee_table", "side_coffee_table"))
+SAT_AT = having("sat_at")
 """Supporting pieces that people sit at."""
 
 BED_REACH_M, WALL_REACH_M = 0.25, 0.12

@@ -8,7 +8,7 @@ from functools import cache
 from typing import NamedTuple
 
 from chord_usd.base.scene.numbers_said import plain_text
-from chord_usd.base.scene.palette import DRESSING_CATEGORIES
+from chord_usd.base.scene.palette import DRESSING_CATEGORIES, having
 from chord_usd.line.lists.piece_words import ANY_M, WORDS, named
 
 LONGEST = 6
@@ -167,8 +167,6 @@ _ALSO = {
 }  # fmt: skip
 """What more things are called, by category; and what other categories count as them."""
 
-_SEATS = ("single_sofa", "leisure_sofa")
-
 SEATED_AT = {
     "dining chair": "dining_table", "kitchen chair": "dining_table", "desk chair": "table",
     "office chair": "table",
@@ -195,9 +193,8 @@ def _things() -> dict[str, Thing]:
 
 
 def _counted(category: str) -> tuple[str, ...]:
-    if category in _SEATS:
-        return (category, *(one for one in _SEATS if one != category))
-    return (category,)
+    seats = having("easy_chair")
+    return (category, *sorted(seats - {category})) if category in seats else (category,)
 
 
 def thing(words: Sequence[str]) -> Thing | None:

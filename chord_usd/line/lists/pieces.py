@@ -22,7 +22,7 @@ from chord_usd.base.metrics.clear_floor import ClearFloor, clearances
 from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.scene.geometry import footprint, room_polygon
-from chord_usd.base.scene.palette import CATEGORIES, Category, Mount
+from chord_usd.base.scene.palette import CATEGORIES, Category, Level, Mount, ranked
 from chord_usd.base.scene.types import ROOM_KINDS, Box, FloatArray, Item, Opening, Room, SceneGraph
 from chord_usd.base.scene.units import rotation_2d, wrap_deg
 from chord_usd.line.lists.vocabulary import Element, Floats, Ints, Vocabulary
@@ -38,14 +38,7 @@ LARGEST_M = 8.0
 MOST_PIECES = 24
 MOST_SEGMENTS = 64
 
-CATEGORY_ORDER = (
-    "bed_background", "bed", "sofa_background", "sofa", "tv_cabinet", "dining_table",
-    "toilet", "bathtub", "shower", "washbasin", "washing_set", "washing_machine",
-    "sink_cabinet", "cooker_cabinet", "refrigerator", "electrical_floor_cabinet",
-    "double_door_floor_cabinet", "single_door_floor_cabinet", "table", "cabinet",
-    "dining_cabinet", "shoe_cabinet", "bedside_table", "coffee_table", "single_sofa",
-    "leisure_sofa", "side_coffee_table", "chair",
-)  # fmt: skip
+CATEGORY_ORDER = ranked(Level.HOUSE)
 """Large and needed pieces first, what stands at others after them."""
 
 KITCHEN_RUN = tuple(name for name in CATEGORY_ORDER if name in KITCHEN_UNITS)

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from chord_usd.base.raster.table_top import NEIGHBOURS, SIDES, Border, TableTop
-from chord_usd.base.scene.palette import CATEGORIES, SUPPORTS
+from chord_usd.base.scene.palette import CATEGORIES, SUPPORTS, Level, ranked
 from chord_usd.base.scene.types import ROOM_KINDS, Box, FloatArray, Item
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.lists.vocabulary import Element, Floats, Ints, Vocabulary
@@ -31,11 +31,7 @@ _QUARTER = YAWS // 4
 MOST_THINGS = 20
 MOST_SEGMENTS = 48
 
-CATEGORY_ORDER = (
-    "big_mouse_pad", "all_in_one_computer", "laptop", "dinner_set", "food", "drinks", "table_lamp",
-    "big_plant", "standing_book", "magazine", "lying_book", "small_plant", "photo_frame",
-    "small_ornament", "pen_holder", "electronic", "coffee_cup",
-)  # fmt: skip
+CATEGORY_ORDER = ranked(Level.TABLE)
 """What a piece is for first, then what is put where there is room."""
 
 SEGMENT_KINDS = ("rim", *NEIGHBOURS)

@@ -9,9 +9,9 @@ import numpy as np
 from chord_usd.base.metrics.complete import lacking
 from chord_usd.base.metrics.design.rule import Measured, Rule, flag
 from chord_usd.base.metrics.design.view import View, distances
+from chord_usd.base.scene.palette import having
 
-BASINS = ("washbasin", "washing_set")
-WET = ("shower", "bathtub")
+BASINS, WET = having("basin"), having("bathing")
 PLUMBED = ("toilet", "bathtub", *BASINS)
 _FACE_M2 = 2.5
 """A smaller room cannot turn its toilet from the door."""

@@ -12,12 +12,12 @@ from chord_usd.base.metrics.design.bedroom_rules import wardrobes
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.rule import Measured, Rule
 from chord_usd.base.metrics.design.view import HomeView, Point, View, distances
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import FloatArray
 
 MOST_DINERS = 8
 HALL_M = 1.2
-_STORAGE = ("cabinet", "shoe_cabinet", "dining_cabinet", "wardrobe")
-_LAUNDRY = ("washing_machine", "washing_set")
+_STORAGE, _LAUNDRY = having("storage"), having("laundry")
 
 
 def _middle(home: HomeView) -> Point:
@@ -101,7 +101,7 @@ def _bathrooms(home: HomeView) -> list[View]:
 def _wash(home: HomeView) -> Iterator[Measured]:
     """A bath or shower somewhere."""
     if _bathrooms(home):
-        yield Measured(len(home.of("shower", "bathtub")), _middle(home))
+        yield Measured(len(home.of(*having("bathing"))), _middle(home))
 
 
 RULES: tuple[Rule[HomeView], ...] = (

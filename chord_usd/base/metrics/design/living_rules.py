@@ -9,8 +9,9 @@ import numpy as np
 
 from chord_usd.base.metrics.design.rule import Measured, Rule, flag
 from chord_usd.base.metrics.design.view import View, clipped
+from chord_usd.base.scene.palette import having
 
-SINGLES = ("single_sofa", "leisure_sofa")
+SINGLES = having("easy_chair")
 _SEAT_M, _ARMS_M = 0.62, 0.3
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from chord_usd.base.metrics.design.shell import TOUCH_M, Hole, Rects, Shell, shells
 from chord_usd.base.metrics.walk import entrance
 from chord_usd.base.scene.geometry import footprint, room_polygon
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import BoolArray, FloatArray, Item, Opening, Room, SceneGraph
 
 MOST_M = 4.0
@@ -23,7 +24,7 @@ MOST_M = 4.0
 WALL_TOUCH_M = 0.03
 """A wall that reaches so little into a strip leaves it free: rasters are no finer."""
 
-FLAT = frozenset(("bed_background", "sofa_background"))
+FLAT = having("panel")
 """Panels: they take no floor."""
 _HEAD_M = 1.4
 """What hangs above this takes no floor."""

@@ -15,6 +15,7 @@ from pxr import Gf, Sdf, Vt
 
 from chord_usd.base.scene.articulation import SETTLES_S
 from chord_usd.base.scene.feels import Feel
+from chord_usd.base.scene.palette import CATEGORIES, having
 from chord_usd.base.scene.types import Box, Item
 from chord_usd.line.stage.author.prims import (
     Types,
@@ -30,111 +31,6 @@ from chord_usd.line.stage.shell.mesh import Mesh
 
 GRAVITY_M_PER_S2 = 9.81
 
-KG_PER_M3: dict[str, float] = {
-    "chair": 30.0,
-    "dining_table": 40.0,
-    "table": 70.0,
-    "coffee_table": 75.0,
-    "side_coffee_table": 50.0,
-    "bedside_table": 120.0,
-    "sofa": 35.0,
-    "single_sofa": 40.0,
-    "leisure_sofa": 40.0,
-    "lying_book": 700.0,
-    "standing_book": 550.0,
-    "magazine": 900.0,
-    "all_in_one_computer": 90.0,
-    "laptop": 90.0,
-    "big_mouse_pad": 400.0,
-    "table_lamp": 50.0,
-    "small_ornament": 600.0,
-    "pen_holder": 300.0,
-    "big_plant": 80.0,
-    "small_plant": 150.0,
-    "coffee_cup": 200.0,
-    "electronic": 400.0,
-    "photo_frame": 150.0,
-    "food": 250.0,
-    "dinner_set": 120.0,
-    "drinks": 450.0,
-    "floor_plant": 60.0,
-    "basket": 40.0,
-    "bin": 40.0,
-    "umbrella_stand": 60.0,
-    "book_row": 450.0,
-    "vase": 300.0,
-    "sculpture": 500.0,
-    "candle": 400.0,
-    "storage_box": 120.0,
-    "trailing_plant": 150.0,
-    "kettle": 200.0,
-    "toaster": 250.0,
-    "coffee_machine": 250.0,
-    "pot": 250.0,
-    "knife_block": 450.0,
-    "utensil_jar": 300.0,
-    "jar": 400.0,
-    "bottle": 450.0,
-    "bowl": 250.0,
-    "plate_stack": 600.0,
-    "soap_dispenser": 500.0,
-    "toothbrush_cup": 200.0,
-    "towel_stack": 120.0,
-    "toilet_brush": 150.0,
-}
-"""Mass over the box a piece fills, air included: a chair weighs about five kilograms. Categories
-that are not in the table stay where they are."""
-
-STILL_KG_PER_M3: dict[str, float] = {
-    "bed": 60.0,
-    "cabinet": 110.0,
-    "bed_background": 250.0,
-    "tv_cabinet": 110.0,
-    "sofa_background": 250.0,
-    "dining_cabinet": 110.0,
-    "shoe_cabinet": 110.0,
-    "single_door_floor_cabinet": 130.0,
-    "double_door_floor_cabinet": 120.0,
-    "cooker_cabinet": 140.0,
-    "sink_cabinet": 120.0,
-    "electrical_floor_cabinet": 160.0,
-    "refrigerator": 95.0,
-    "shower": 45.0,
-    "toilet": 180.0,
-    "washbasin": 120.0,
-    "washing_machine": 220.0,
-    "washing_set": 120.0,
-    "bathtub": 90.0,
-    "curtain": 20.0,
-    "curtain_rail": 150.0,
-    "blind": 60.0,
-    "rug": 150.0,
-    "mat": 200.0,
-    "ceiling_lamp": 80.0,
-    "pendant_lamp": 15.0,
-    "floor_lamp": 15.0,
-    "wall_lamp": 100.0,
-    "picture": 250.0,
-    "mirror": 300.0,
-    "clock": 150.0,
-    "wall_shelf": 150.0,
-    "hook_rail": 60.0,
-    "radiator": 350.0,
-    "light_switch": 600.0,
-    "socket": 600.0,
-    "wall_cabinet": 150.0,
-    "cooker_hood": 120.0,
-    "splashback": 2000.0,
-    "utensil_rail": 60.0,
-    "towel_rail": 60.0,
-    "paper_holder": 150.0,
-    "shower_screen": 1200.0,
-    "cushion": 40.0,
-    "throw": 60.0,
-    "cutting_board": 300.0,
-}
-"""The same of all others, for who takes them out of the house: a refrigerator of 0.7 cubic metres
-weighs about 67 kilograms."""
 
 DOOR_KG_PER_M2, SASH_KG_PER_M2 = 14.0, 25.0
 """An inner door; glass ones are about as heavy. Two panes in their frame."""
@@ -163,18 +59,17 @@ def mass_of(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> flo
         carrier = carriers.get(carrier_id)
         if carrier is None or item.box.center_m[2] < carrier.box.top_m - _ON_TOP_M:
             return None
-    if item.category not in KG_PER_M3:
+    if item.category not in having("moved"):
         return None
     length, width, height = item.box.size_m
-    density = KG_PER_M3[item.category]
+    density = CATEGORIES[item.category].kg_per_m3
     note(prim, kg_per_m3=density)  # Blender's import drops masses; a swap needs one
     return density * length * width * height
 
 
 def usual_mass_kg(name: str, size_m: tuple[float, float, float]) -> float:
     """Mass of a piece of this category, by itself. Raises KeyError for one not in the palette."""
-    density = KG_PER_M3[name] if name in KG_PER_M3 else STILL_KG_PER_M3[name]
-    return max(density * math.prod(size_m), _LEAST_KG)
+    return max(CATEGORIES[name].kg_per_m3 * math.prod(size_m), _LEAST_KG)
 
 
 def hang_leaf(

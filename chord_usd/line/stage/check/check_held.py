@@ -9,7 +9,7 @@ import shapely
 
 from chord_usd.base.metrics.footprints import is_underfoot
 from chord_usd.base.scene.geometry import footprint, footprint_polygon, room_polygon
-from chord_usd.base.scene.palette import CATEGORIES, Level, Mount
+from chord_usd.base.scene.palette import CATEGORIES, Level, Mount, having
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, Item
 from chord_usd.line.stage.check.check_contact import Body
 from chord_usd.line.stage.check.check_scene import StageScene
@@ -31,15 +31,6 @@ WINDOW_GAP_M = 0.3
 RESTS_GAP_M = 0.02
 """Between the bounds of dressing and of the piece that it lies on."""
 
-PLUMBED = frozenset(("toilet", "washbasin"))
-"""Floor categories whose designs may be hung on the wall they are plumbed to."""
-
-
-SOFT = frozenset(("cushion", "throw"))
-
-LEANING = frozenset(("cutting_board",))
-"""Categories that stand on a board and lean against the wall behind it."""
-
 
 def underfoot(dressing: Iterable[Item]) -> frozenset[str]:
     """Ids of rugs and mats, which furniture stands on and doors sweep over."""
@@ -48,7 +39,7 @@ def underfoot(dressing: Iterable[Item]) -> frozenset[str]:
 
 def soft(dressing: Iterable[Item]) -> frozenset[str]:
     """Ids of cushions and throws, which sink into what they lie on and hang around it."""
-    return frozenset(item.id for item in dressing if item.category in SOFT)
+    return frozenset(item.id for item in dressing if item.category in having("soft"))
 
 
 class Held:
@@ -72,10 +63,10 @@ class Held:
         if item is None or row is None:
             return False
         if row.level is not Level.DRESSING:
-            hangs = row.mount is Mount.WALL or row.name in PLUMBED
+            hangs = row.mount is Mount.WALL or "hung" in row.traits
             return hangs and self._has_back_at_wall(item, WALL_GAP_M)
-        if row.mount is Mount.WALL or row.name in LEANING:
-            leans = row.name in LEANING
+        if row.mount is Mount.WALL or "leans" in row.traits:
+            leans = "leans" in row.traits
             return self._has_back_at_wall(item, LEANING_GAP_M if leans else DRESSING_WALL_GAP_M)
         if row.mount is Mount.CEILING:
             return bool(abs(body.bounds_m[1, 2] - ROOM_HEIGHT_M) <= CEILING_GAP_M)

@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from chord_usd.base.raster.page_labels import PIECE
 from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import Item
 from chord_usd.workshop.data.drawn.fills import tiles
 from chord_usd.workshop.data.drawn.from_above import draw_from_above
@@ -26,17 +27,8 @@ Draw = Callable[[float, float, np.random.Generator], Shapes]
 """Shapes of a piece of a length and a depth, its back at +y and its middle at the origin: the
 first one is its body."""
 
-FIXTURES = frozenset(
-    ("toilet", "washbasin", "washing_set", "bathtub", "shower", "cooker_cabinet", "sink_cabinet",
-     "refrigerator", "washing_machine", "single_door_floor_cabinet", "double_door_floor_cabinet",
-     "electrical_floor_cabinet")
-)  # fmt: skip
+FIXTURES = having("fixture")
 """What stays when people move out."""
-
-_WORKTOPS = frozenset(
-    ("cooker_cabinet", "sink_cabinet", "single_door_floor_cabinet", "double_door_floor_cabinet",
-     "electrical_floor_cabinet")
-)  # fmt: skip
 
 
 _MESHES = 0.65
@@ -116,7 +108,7 @@ def _draw_item(canvas: Canvas, item: Item, hand: Hand) -> None:
             shade = rng.integers(-30, 45)
             red, green, blue = (int(np.clip(v + shade, 0, 255)) for v in fill)
             canvas.fill(shape, (red, green, blue))
-        if not index and item.category in _WORKTOPS and not hand.has_worktop_lines:
+        if not index and item.category in having("worktop") and not hand.has_worktop_lines:
             continue
         if has_lines:
             canvas.outline(shape, look.piece_rgb, hand.line_px)

@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+from chord_usd.base.scene.palette import having
 from chord_usd.workshop.data.furnish.floor import Bounds, Door, Floor, Placed
 
 CELL_M = 0.1
@@ -31,10 +32,7 @@ REACH_ASIDE_M = 0.15
 CUT_OFF, CORE_LOST, LOST = 10, 3, 1
 """Weights of path_faults: a door, a piece the room is there for, any other piece."""
 
-NEEDS_NO_ACCESS = frozenset(
-    ("bed_background", "sofa_background", "bedside_table", "side_coffee_table", "tv_cabinet",
-     "chair", "coffee_table", "dining_table", "table")
-)  # fmt: skip
+NEEDS_NO_ACCESS = having("reached_over")
 """Pieces that are reached over their neighbours: a bedside table from the bed."""
 
 _GUARD_CELLS = 2

@@ -13,7 +13,6 @@ from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.line.stage.author.textures import bound_material, opened_picture, source_of, value_of
 from chord_usd.line.stage.export.exchange.built_house import House
 from chord_usd.line.stage.export.exchange.ifc_builder import Entity, IfcBuilder
-from chord_usd.line.stage.export.exchange.ifc_classes import ifc_class
 from chord_usd.line.stage.export.exchange.placed_pieces import Piece, pieces_of
 
 
@@ -41,25 +40,25 @@ class _Shop:
     def element(self, piece: Piece) -> Entity:
         """The element of one piece."""
         b, item = self._builder, piece.item
-        made = ifc_class(item.category)
+        element, predefined = _ifc_class(item.category)
         key = piece.model, item.category
         if key not in self._types:
             self._types[key] = self._type(piece)
         _, mapping, elements = self._types[key]
         name = item.id.rsplit("/", 1)[-1]
-        element = b.rooted(
-            made.element, item.id, name, ObjectType=_label_of(item.category),
-            PredefinedType=made.predefined,
+        made = b.rooted(
+            element, item.id, name, ObjectType=_label_of(item.category),
+            PredefinedType=predefined,
             ObjectPlacement=b.place(self._place, piece.at_m, piece.turn),
             Representation=b.mapped(mapping, piece.scale),
         )  # fmt: skip
         length_m, width_m, height_m = (round(side, 4) for side in item.box.size_m)
-        b.describe(element, item.id, {
+        b.describe(made, item.id, {
             "Category": item.category, "Asset": piece.asset, "Prim": item.id,
             "Length": length_m, "Width": width_m, "Height": height_m,
         })  # fmt: skip
-        elements.append(element)
-        return element
+        elements.append(made)
+        return made
 
     def _type(self, piece: Piece) -> tuple[Entity, Entity, list[Entity]]:
         b = self._builder
@@ -70,11 +69,11 @@ class _Shop:
         ]
         drawn = b.drawing(meshes, "Tessellation")
         mapping = b.add("IfcRepresentationMap", MappingOrigin=b.origin, MappedRepresentation=drawn)
-        made = ifc_class(piece.item.category)
+        element, predefined = _ifc_class(piece.item.category)
         # The first piece names it: numbers of USD's prototypes differ from run to run.
-        extra = {"AssemblyPlace": "NOTDEFINED"} if made.element == "IfcFurniture" else {}
+        extra = {"AssemblyPlace": "NOTDEFINED"} if element == "IfcFurniture" else {}
         kind = b.rooted(
-            f"{made.element}Type", piece.item.id, piece.asset, PredefinedType=made.predefined,
+            f"{element}Type", piece.item.id, piece.asset, PredefinedType=predefined,
             RepresentationMaps=[mapping], ElementType=_label_of(piece.item.category), **extra,
         )  # fmt: skip
         return kind, mapping, []
@@ -91,6 +90,13 @@ class _Shop:
 def _label_of(category: str) -> str:
     row = CATEGORIES.get(category)
     return row.label if row else category
+
+
+def _ifc_class(category: str) -> tuple[str, str]:
+    """Class of IFC4 and predefined type; furniture of no kind where the table says nothing."""
+    row = CATEGORIES.get(category)
+    element, _, predefined = (row.ifc if row else "").partition(".")
+    return element or "IfcFurniture", predefined or "NOTDEFINED"
 
 
 class _Looks:
