@@ -58,8 +58,9 @@ def told(wishes: Wishes) -> tuple[list[str], list[str]]:
 
 
 def test_every_category_has_a_word_and_its_own_name_is_one() -> None:
-    assert {one.category for one in WORDS.values()} == set(CATEGORY_ORDER)
-    for name in CATEGORY_ORDER:
+    worded = {row.name for row in CATEGORIES.values() if row.words}
+    assert {one.category for one in WORDS.values()} == worded >= set(CATEGORY_ORDER)
+    for name in worded:
         found = named(CATEGORIES[name].label.lower().split())
         assert found
         assert found.category == name

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from chord_usd.base.errors import ChordError
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.numbers_said import HAN_NUMBERS, NUMBERS, plain_text
-from chord_usd.base.scene.palette import TABLE_CATEGORIES
+from chord_usd.base.scene.palette import CATEGORIES, TABLE_CATEGORIES
 from chord_usd.base.scene.room_names import room_kind
 from chord_usd.base.scene.types import Item, Room
 from chord_usd.base.scene.wish import NAMES
@@ -179,6 +179,9 @@ def _piece(words: list[str], where: str) -> tuple[int, Named]:
         counts = [int(word) if word.isdigit() else _COUNTS.get(word, 1) for word in before]
         are_counts = all(w.isdigit() or w in _COUNTS or w in _ARTICLES for w in before)
         if piece and are_counts and "double" not in before:
+            if CATEGORIES[piece.category].rank is None:
+                later = f'chord-usd edit HOUSE "add a {piece.word} to the ROOM"'
+                raise _error(f"'{piece.word}' is in no list", where, "a piece of lists", later)
             return max(counts, default=1), piece
     said = " ".join(words)
     if _ON_TABLES & {words[-1], words[-1].removesuffix("s")}:
