@@ -22,14 +22,12 @@ from chord_usd.base.scene.types import (
     SceneGraph,
     frozen_array,
 )
-from chord_usd.line.plan.home_uses import (
-    kinds_of_home,
-    part_open_plans,
-    uses_elsewhere,
-    with_missing_rooms,
-)
+from chord_usd.line.plan.floor_parts import part_floors, part_open_plans
+from chord_usd.line.plan.home_uses import Floor, Uses, uses_of_home
+from chord_usd.line.plan.labels import uses_named
 from chord_usd.line.plan.open_plans import Use, part_room
 from chord_usd.line.plan.seen_kinds import seen_kinds
+from chord_usd.line.plan.text import Text
 from chord_usd.line.plan.vector.assemble import assemble
 from chord_usd.line.plan.vector.shapes import Label, RoomShape, VectorDrawing
 
@@ -143,32 +141,37 @@ def test_three_uses_of_one_floor():
                for parts in [parts_of(plan, "living1")])  # fmt: skip
 
 
+KITCHEN_TOO = [Uses("living", frozenset({"kitchen"})), Uses("bathroom")]
+
+
 def test_a_home_without_a_kitchen_gets_one_beside_the_bath():
-    plan, told = with_missing_rooms(LONG)
+    plan, told, failed = part_floors(LONG, KITCHEN_TOO, {}, None)
     kinds = {one.kind: room_polygon(one) for one in plan.rooms}
-    assert "kitchen" in kinds
     assert kinds["kitchen"].distance(kinds["bathroom"]) < 0.5
-    assert any("kitchen" in one for one in told)
-    again, nothing = with_missing_rooms(plan)
-    assert "kitchen" not in "".join(nothing)
-    assert len(again.rooms) >= len(plan.rooms)
+    assert told == ["no kitchen was recognised: a part of living1 became kitchen1"]
+    assert not failed
+
+
+def test_a_floor_that_has_no_place_for_a_use_says_so():
+    small = Plan((rectangle("living1", "living", 0, 0, 2.4, 2.2),), ())
+    plan, told, failed = part_floors(small, KITCHEN_TOO[:1], {}, None)
+    assert (plan.rooms, told, failed) == (small.rooms, [], {(0, "kitchen")})
 
 
 def test_a_kitchen_lies_where_its_name_is_also_where_nothing_of_it_is_drawn():
     empty = drawn(living=(0, 0, 9, 4))
     spots = {"living": (7.5, 2.0), "kitchen": (1.0, 2.0)}
     named = {"living1": [Use(kind, (kind,), (at,)) for kind, at in spots.items()]}
-    plan, told = with_missing_rooms(LONG, empty, named)
+    plan, told, _ = part_floors(LONG, KITCHEN_TOO, named, empty)
     kitchen = next(room_polygon(one) for one in plan.rooms if one.kind == "kitchen")
     assert kitchen.contains(Point(spots["kitchen"]))
     assert kitchen.bounds[2] < spots["living"][0]
-    assert "no kitchen was recognised" in told[0]
+    assert told == []
 
 
 @pytest.mark.parametrize(
     ("name", "seen", "said"),
     [
-        ("", None, "no kitchen was recognised: a part of living1 became kitchen1"),
         ("Living / Kitchen", None, "living1 is named a kitchen, too: a part of it became kitchen1"),
         ("", drawn(living=(3, 0, 9, 4), kitchen=(0, 0, 3, 4)),
          "kitchen1 is the part of living1 where a kitchen is drawn"),
@@ -176,7 +179,17 @@ def test_a_kitchen_lies_where_its_name_is_also_where_nothing_of_it_is_drawn():
 )  # fmt: skip
 def test_a_parted_floor_is_told_as_it_is(name, seen, said):
     plan = replace(LONG, rooms=(replace(LONG.rooms[0], name=name), LONG.rooms[1]))
-    assert with_missing_rooms(plan, seen)[1][0] == said
+    assert part_floors(plan, KITCHEN_TOO, {}, seen)[1] == [said]
+
+
+def test_a_name_for_several_parts_does_not_say_where_they_are():
+    """The spot of "TUPAKEITTIÖ", before the hob, kept the kitchen from where it is drawn."""
+    frame = PixelFrame(0.01, (0.0, 0.0), 400)
+    corners = np.array([(700.0, 190.0), (800.0, 190.0), (800.0, 210.0), (700.0, 210.0)])
+    texts = [Text("TUPAKEITTIÖ", corners, 0.9)]
+    uses = uses_named(LONG.rooms[0], texts, frame)
+    assert {use.kind for use in uses} == {"living", "kitchen"}
+    assert not any(use.spots_m for use in uses)
 
 
 def chances(**rows):
@@ -187,32 +200,65 @@ def chances(**rows):
     return table
 
 
+def floors(seen, areas, told, **further):
+    return [
+        Floor(row, kind, area_m2=area, **further.get(f"floor{index}", {}))
+        for index, (row, area, kind) in enumerate(zip(seen, areas, told, strict=True))
+    ]
+
+
 def test_what_a_home_needs_goes_to_the_room_that_speaks_against_it_least():
     seen = chances(
         large={"living": 0.8}, plain={"bedroom": 0.4, "study": 0.45}, wet={"bathroom": 0.35}
     )
-    areas = [20.0, 11.0, 4.0]
-    alone = kinds_of_home(seen, areas, ["unknown"] * 3, is_home=False)
-    assert [kind for kind, _ in alone] == ["living", "unknown", "unknown"]
-    home = kinds_of_home(seen, areas, ["unknown"] * 3, is_home=True)
-    assert [kind for kind, _ in home] == ["living", "bedroom", "bathroom"]
-    named = kinds_of_home(seen, areas, ["unknown", "unknown", "bathroom"], is_home=True)
-    assert named[1][0] == "bedroom"
+    areas = [12.0, 11.0, 4.0]
+    nameless = floors(seen, areas, ["unknown"] * 3)
+    assert [one.kind for one in uses_of_home(nameless, False)] == ["living", "unknown", "unknown"]
+    home = uses_of_home(nameless, True)
+    assert home[0].kind == "living"
+    assert home[1].kind in ("bedroom", "study")
+    assert home[2].kind == "bathroom"
+    named = floors(seen, areas, ["unknown", "unknown", "bathroom"])
+    assert uses_of_home(named, True)[1].kind in ("bedroom", "study")
 
 
-@pytest.mark.parametrize("is_drawn", [True, False])
-def test_no_other_room_is_a_kitchen_where_a_part_of_a_floor_is(is_drawn):
+STAIRS = chances(large={"living": 0.7}, stairs={"kitchen": 0.5, "corridor": 0.3}, bath={}, bed={})
+
+
+@pytest.mark.parametrize(
+    "large",
+    [
+        {"named": frozenset({"living", "kitchen"})},
+        {"drawn_m2": {"kitchen": 9.0}},
+    ],
+)
+def test_no_other_room_is_a_kitchen_where_a_part_of_a_floor_is(large):
     """A stairwell that looks a little like a kitchen became one, though "Keuken" was printed."""
-    rooms = [rectangle("", "living", 0, 0, 9, 4), rectangle("", "unknown", 0, 4.24, 3, 5)]
-    shown = drawn(kitchen=(0, 0, 3, 4), living=(3, 0, 9, 4)) if is_drawn else None
-    named = [[Use("living"), Use("kitchen")], []]
-    elsewhere = uses_elsewhere(rooms, [[], []] if is_drawn else named, shown)
-    assert "kitchen" in elsewhere
-    seen = chances(large={"living": 0.7}, stairs={"kitchen": 0.5, "corridor": 0.3}, bath={}, bed={})
     areas, told = [36.0, 8.0, 4.0, 12.0], ["living", "unknown", "bathroom", "bedroom"]
-    assert kinds_of_home(seen, areas, told, is_home=True)[1][0] == "kitchen"
-    kinds = kinds_of_home(seen, areas, told, is_home=True, elsewhere=elsewhere)
-    assert kinds[1][0] != "kitchen"
+    assert uses_of_home(floors(STAIRS, areas, told), True)[1].kind == "kitchen"
+    uses = uses_of_home(floors(STAIRS, areas, told, floor0=large), True)
+    assert "kitchen" in uses[0].further
+    assert uses[1].kind != "kitchen"
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_named_kitchen_is_the_only_one(first):
+    """A courtyard became a second kitchen where "Cocina" stands in a room further down the list."""
+    seen = chances(court={"kitchen": 0.7, "living": 0.2}, named={}, bed={"bedroom": 0.9})
+    rows = floors(seen, [14.0, 6.0, 12.0], ["unknown", "kitchen", "unknown"])
+    order = [1, 0, 2] if first else [0, 1, 2]
+    uses = uses_of_home([rows[at] for at in order], True)
+    assert [use.kind for use in uses].count("kitchen") == 1
+    assert not any("kitchen" in use.further for use in uses)
+
+
+def test_a_use_without_a_place_goes_elsewhere():
+    seen = chances(large={"living": 0.9}, plain={"store": 0.4, "kitchen": 0.02}, bath={}, bed={})
+    told = ["living", "unknown", "bathroom", "bedroom"]
+    rows = floors(seen, [30.0, 6.0, 4.0, 12.0], told)
+    assert "kitchen" in uses_of_home(rows, True)[0].further
+    banned = uses_of_home(rows, True, {(0, "kitchen")})
+    assert not banned[0].further
 
 
 @pytest.mark.parametrize(

@@ -37,12 +37,8 @@ from chord_usd.base.scene.types import (
 )
 from chord_usd.base.scene.units import cm_from_m, m_from_px
 from chord_usd.line.plan.doubts import doubts, is_all_guessed, named_rooms, refuse_nonsense
-from chord_usd.line.plan.home_uses import (
-    kinds_of_home,
-    part_open_plans,
-    uses_elsewhere,
-    with_missing_rooms,
-)
+from chord_usd.line.plan.floor_parts import part_floors
+from chord_usd.line.plan.home_uses import Floor, uses_of_home
 from chord_usd.line.plan.labels import named_by_texts, numbered, seen_as, uses_named
 from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.parts import parts_of
@@ -213,17 +209,13 @@ def _read_part(page: _Page) -> _Found:
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
     refuse_nonsense([o.polygon_px for o in reading.outlines], reading.regions, frame)
     seen = seen_kinds(page.segments.kinds, frame)
-    plan = _plan(reading, page, frame, seen)
+    plan, parted = _plan(reading, page, frame, seen)
     if is_all_guessed(plan):
         raise _no_room()
     sheet = page.sheet
     drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
     rooms = named_rooms(plan, page.texts, frame)
-    told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame)]
-    if page.is_home:
-        named = {room.id: uses_named(room, page.texts, frame) for room in plan.rooms}
-        plan, missing = with_missing_rooms(plan, seen, named)
-        told += missing
+    told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame), *parted]
     entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
     stairs = _stairs(plan, page, frame)
     extra: dict[str, Any] = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
@@ -282,24 +274,39 @@ def _scale(reading: SeenReading, page: _Page) -> Scale:
         printed.append(Estimate(STATED, known.stated_m_per_px / shrink, "1:n"))
     paper = known.paper_m_per_px and known.paper_m_per_px / shrink
     walls = WALL_THICKNESS_M / max(reading.regions.thickness_px, 1.0)
-    kinds = [room.kind for room in _labelled_rooms(reading, page, reading.frame)]
+    rooms = _named_rooms(reading, page, reading.frame)
+    kinds = [
+        uses.kind
+        for uses in uses_of_home(_floors(reading, page, rooms, reading.frame), page.is_home)
+    ]
     areas = [Polygon(polygon).area for polygon in polygons]
     # Of an open plan, the floor is that of a whole home.
-    rooms = scale_by_home(areas) if known.is_open else scale_by_rooms(kinds, areas)
+    usual = scale_by_home(areas) if known.is_open else scale_by_rooms(kinds, areas)
     doors = reading.entrance_m_per_px if known.is_open else reading.doors_m_per_px
-    return choose_scale(printed, doors, walls, page.given, rooms, paper)
+    return choose_scale(printed, doors, walls, page.given, usual, paper)
 
 
-def _plan(reading: SeenReading, page: _Page, frame: PixelFrame, seen: SeenKinds) -> Plan:
-    """Rooms with what they are for, and the openings in their walls."""
-    areas_m2 = [Polygon(o.polygon_px).area * frame.m_per_px**2 for o in reading.outlines]
-    rooms = _labelled_rooms(reading, page, frame, areas_m2, seen)
-    openings = reading.placed([room.id for room in rooms], frame)
-    plan = Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
-    if page.known.is_open:
-        return plan
-    named = {room.id: uses_named(room, page.texts, frame) for room in rooms}
-    return part_open_plans(plan, named, seen)
+def _plan(
+    reading: SeenReading, page: _Page, frame: PixelFrame, seen: SeenKinds
+) -> tuple[Plan, list[str]]:
+    """Rooms with what they are for, and the openings in their walls; what to say of their parts."""
+    named = _named_rooms(reading, page, frame)
+    floors = _floors(reading, page, named, frame, seen)
+    banned: set[tuple[int, RoomKind]] = set()
+    while True:
+        uses = uses_of_home(floors, page.is_home, banned)
+        rooms = numbered([
+            seen_as(room, each.kind, each.chance) for room, each in zip(named, uses, strict=True)
+        ])  # fmt: skip
+        openings = reading.placed([room.id for room in rooms], frame)
+        plan = Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
+        if page.known.is_open:
+            return plan, []
+        spots = {room.id: uses_named(room, page.texts, frame) for room in rooms}
+        parted, told, failed = part_floors(plan, uses, spots, seen)
+        if failed <= banned:
+            return parted, told
+        banned |= failed
 
 
 def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]]]:
@@ -313,32 +320,43 @@ def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]
     ]
 
 
-def _labelled_rooms(
-    reading: SeenReading,
-    page: _Page,
-    frame: PixelFrame,
-    areas_m2: Sequence[float] = (),
-    seen: SeenKinds | None = None,
-) -> tuple[Room, ...]:
-    """Rooms with what they are for. areas_m2: of each; seen: on its floor, where they are known."""
+def _named_rooms(reading: SeenReading, page: _Page, frame: PixelFrame) -> list[Room]:
+    """Rooms with what their names, and stairs, say that they are for."""
     outlined = [
         Room("", "unknown", frozen_array(m_from_px(o.polygon_px, frame)), extra=_extra(o, frame))
         for o in reading.outlines
     ]
-    named = named_by_texts(outlined, page.texts, frame)
-    chances = np.array([outline.kinds for outline in reading.outlines])
-    told: list[RoomKind] = [
-        "corridor" if room.kind == "unknown" and is_stairwell(outline) else room.kind
-        for room, outline in zip(named, reading.outlines, strict=True)
+    return [
+        replace(room, kind="corridor") if room.kind == "unknown" and is_stairwell(outline) else room
+        for room, outline in zip(
+            named_by_texts(outlined, page.texts, frame), reading.outlines, strict=True
+        )
     ]
-    uses = [uses_named(room, page.texts, frame) for room in named]
-    # Without the seen kinds the scale is not known yet: sizes then tell more than names.
-    elsewhere = uses_elsewhere(named, uses, seen) if seen else ()
-    found = kinds_of_home(chances, areas_m2, told, page.is_home, elsewhere)
-    return numbered([
-        seen_as(room, kind if own == "unknown" else own, sure)
-        for room, own, (kind, sure) in zip(named, told, found, strict=True)
-    ])  # fmt: skip
+
+
+def _floors(
+    reading: SeenReading,
+    page: _Page,
+    rooms: Sequence[Room],
+    frame: PixelFrame,
+    seen: SeenKinds | None = None,
+) -> list[Floor]:
+    """What is known of the floor of each room. seen: of the drawing, where its scale is known."""
+    has_windows = any(opening.kind == "window" for opening in reading.openings)
+    floors = []
+    for index, (room, outline) in enumerate(zip(rooms, reading.outlines, strict=True)):
+        own = [o for o in reading.openings if index in [at for at, _ in o.rooms]]
+        polygon = room_polygon(room)
+        named = uses_named(room, page.texts, frame)
+        floors.append(
+            Floor(
+                outline.kinds, room.kind, frozenset(use.kind for use in named),
+                polygon.area if seen else None, seen.areas_m2(polygon) if seen else {},
+                sum(o.kind != "window" and len(o.rooms) == 2 for o in own),
+                not has_windows or any(o.kind == "window" for o in own), outline.stairs,
+            )
+        )  # fmt: skip
+    return floors
 
 
 def _extra(outline: Outline, frame: PixelFrame) -> dict[str, float]:

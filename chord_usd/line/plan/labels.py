@@ -75,9 +75,10 @@ def uses_named(room: Room, texts: Sequence[Text], frame: PixelFrame) -> list[Use
     """What the names that are printed in a room say that its floor is used for, and where."""
     names: dict[RoomKind, list[Text]] = {}
     for text in texts_in(room, texts, frame):
-        for rank, kind in enumerate(k for k in room_kinds(text.text) if can_share(k)):
-            # Where the kitchen of a "Living Kitchen" is, its name does not say.
-            names.setdefault(kind, []).extend([text] if rank == 0 else [])
+        kinds = [kind for kind in room_kinds(text.text) if can_share(kind)]
+        for kind in kinds:
+            # Where each part of a "Living Kitchen" is, its name does not say.
+            names.setdefault(kind, []).extend([text] if len(kinds) == 1 else [])
     return [
         Use(kind, tuple(t.text for t in own), tuple(_spot_m(t, frame) for t in own))
         for kind, own in names.items()

@@ -27,7 +27,7 @@ from chord_usd.base.scene.types import (
     Room,
     frozen_array,
 )
-from chord_usd.line.plan.home_uses import part_open_plans
+from chord_usd.line.plan.floor_parts import part_open_plans
 from chord_usd.line.plan.labels import named_by_texts, numbered, uses_named
 from chord_usd.line.plan.paper_scale import stated_ratio
 from chord_usd.line.plan.placement import WARNINGS

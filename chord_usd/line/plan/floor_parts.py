@@ -1,0 +1,104 @@
+"""Floors with several uses become rooms that are open to each other, and what to say of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.room_names import LEADING, room_kinds
+from chord_usd.base.scene.types import Plan, Room, RoomKind
+from chord_usd.line.plan.home_uses import Uses
+from chord_usd.line.plan.open_plans import Use, can_share, part_room
+from chord_usd.line.plan.seen_kinds import SeenKinds
+
+_LEAST_DRAWN_M2 = 1.0
+"""A hob and a sink, seen as a kitchen."""
+
+_SHARED: dict[RoomKind, float] = {"living": 6.0, "kitchen": 2.0, "dining": 4.0}
+"""What shares floors, and how much floor has to look like it. Empty rooms look like bedrooms."""
+
+
+def part_open_plans(
+    plan: Plan, named: Mapping[str, Sequence[Use]], seen: SeenKinds | None = None
+) -> Plan:
+    """The plan with rooms parted that have several uses. named: by room id, in place of what the
+    rooms' own names say; seen: on the plan's drawing."""
+    for room in plan.rooms:
+        uses = _uses_named(room, named.get(room.id, ()))
+        uses += _uses_seen(room, uses, seen) if seen else []
+        if len({use.kind for use in uses}) > 1:
+            plan = part_room(plan, room.id, uses, seen)
+    return plan
+
+
+def part_floors(
+    plan: Plan, uses: Sequence[Uses], named: Mapping[str, Sequence[Use]], seen: SeenKinds | None
+) -> tuple[Plan, list[str], set[tuple[int, RoomKind]]]:
+    """The plan with its floors parted into what they are for; what to say of parts without a name;
+    and (floor, use) of the further uses that a floor has no place for.
+
+    uses: of plan.rooms; named: by room id, in place of what the rooms' own names say; seen: on the
+    plan's drawing.
+    """
+    told: list[str] = []
+    failed: set[tuple[int, RoomKind]] = set()
+    for index, (room, wanted) in enumerate(zip(plan.rooms, uses, strict=True)):
+        own = _uses_named(room, named.get(room.id, ()))
+        known = {use.kind for use in own}
+        needed = [*own, *(Use(kind) for kind in LEADING if kind in wanted.further - known)]
+        placed = {use.kind for use in own if use.spots_m}
+        asked = wanted.further - (known - {"kitchen"})
+        free = [use.kind for use in needed if use.kind in asked - placed]
+        parted = _parted(plan, room, needed, set(asked), seen)
+        new = {one.id for one in parted.rooms} - {one.id for one in plan.rooms}
+        for kind in free:
+            made = [one for one in parted.rooms if one.id in new and one.kind == kind]
+            told += [_told(parted, room, one.id, kind, seen) for one in made]
+            failed |= {(index, kind)} if not made and kind not in known else set()
+        plan = parted
+    return plan, told, failed
+
+
+def _parted(
+    plan: Plan, room: Room, needed: list[Use], wanted: set[RoomKind], seen: SeenKinds | None
+) -> Plan:
+    """The plan with a room parted into what it is needed for, and what is drawn there; the first
+    way that gives each wanted use a part."""
+    drawn = _uses_seen(room, needed, seen) if seen else []
+    pair = [use for use in needed if use.kind in wanted | {room.kind}]
+    # What is drawn nowhere contradicts every part.
+    ways = [(needed + drawn, seen), (needed, seen), (needed, None), (pair, None)]
+    first = plan
+    for uses, shown in ways if wanted else ways[:1]:
+        if len({use.kind for use in uses}) < 2:
+            continue
+        parted = part_room(plan, room.id, uses, shown)
+        first = parted if first is plan else first
+        if wanted <= {one.kind for one in parted.rooms if one not in plan.rooms}:
+            return parted
+    return first
+
+
+def _uses_named(room: Room, named: Sequence[Use]) -> list[Use]:
+    """What a room is named for, or else what it is."""
+    kinds = [kind for kind in room_kinds(room.name) if can_share(kind)] or [room.kind]
+    return list(named) or [Use(kind) for kind in kinds if kind != "unknown"]
+
+
+def _uses_seen(room: Room, named: Sequence[Use], seen: SeenKinds) -> list[Use]:
+    """What a floor may be used for, too, by what is drawn there."""
+    told = {use.kind for use in named}
+    if told and not told & _SHARED.keys():
+        return []
+    areas = seen.areas_m2(room_polygon(room))
+    likely = [kind for kind, least_m2 in _SHARED.items() if areas[kind] > least_m2]
+    return [Use(kind, is_needed=False) for kind in likely if kind not in told]
+
+
+def _told(plan: Plan, host: Room, new: str, need: RoomKind, seen: SeenKinds | None) -> str:
+    """Of a part of a room that became a room."""
+    if seen and seen.areas_m2(room_polygon(plan.room(new)))[need] > _LEAST_DRAWN_M2:
+        return f"{new} is the part of {host.id} where a {need} is drawn"
+    if need in room_kinds(host.name):
+        return f"{host.id} is named a {need}, too: a part of it became {new}"
+    return f"no {need} was recognised: a part of {host.id} became {new}"
