@@ -25,6 +25,7 @@ from chord_usd.base.scene.types import (
     Box,
     Item,
     Opening,
+    Plan,
     Room,
     RoomKind,
     SceneGraph,
@@ -307,6 +308,20 @@ def test_a_home_is_planned_for_those_who_sleep_in_it() -> None:
     assert programme["one"].count("bedside_table") == 2
     assert programme["two"].count("bedside_table") == 1
     assert (programme["hall"], programme["bath"]) == (("shoe_cabinet",), ("washing_machine",))
+
+
+@pytest.mark.parametrize("others", [("bathroom", "kitchen"), ("bathroom", "corridor")])
+def test_people_sleep_in_the_living_room_of_a_studio_only(
+    others: tuple[RoomKind, ...],
+) -> None:
+    lister = ListDrawer(Chance(), PIECES, "")  # type: ignore[arg-type]
+    corners = frozen_array([(0, 0), (6.2, 0), (6.2, 4.2), (0, 4.2)])
+    rooms = [Room("living", "living", corners)]
+    rooms += [Room(kind, kind, frozen_array(corners * 0.4 + (6.5, 2 * at)))
+              for at, kind in enumerate(others)]  # fmt: skip
+    house = furnish_by_lists(Plan(tuple(rooms), ()), lister, Drafts(seed=3, count=2))
+    has_bed = any(item.category == "bed" for item in house.items_of("living"))
+    assert has_bed == ("corridor" not in others)
 
 
 def test_the_draft_that_breaks_fewest_rules_is_taken() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import shapely
 
@@ -11,6 +11,8 @@ from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.tunnels import as_cut
 from chord_usd.base.scene.types import Item, Opening, Room, RoomKind, SceneGraph
+
+_BESIDE_STUDIO: tuple[RoomKind, ...] = ("kitchen", "bathroom", "balcony", "store")
 
 MAX_SHARE_OUTSIDE = 0.01
 """An item is out of its room when more than this share of its footprint is (PhyScene's R_out)."""
@@ -67,15 +69,25 @@ def is_to_furnish(room: Room) -> bool:
     return room.kind in FURNISHED_KINDS
 
 
-def is_of_kind(item: Item, kind: RoomKind) -> bool:
+def is_of_kind(item: Item, kind: RoomKind, in_studio: bool = False) -> bool:
     """Whether this category usually stands in such a room; anything fits an unknown one."""
-    return stands_in(item.category, kind)
+    return stands_in(item.category, kind, in_studio)
 
 
-def stands_in(category: str, kind: RoomKind) -> bool:
-    """The same of a category by its name."""
+def stands_in(category: str, kind: RoomKind, in_studio: bool = False) -> bool:
+    """The same of a category by its name. in_studio: whether the home is_studio."""
     row = CATEGORIES.get(category)
-    return kind == "unknown" or (row is not None and kind in row.rooms)
+    if kind == "unknown" or row is None:
+        return kind == "unknown"
+    return kind in row.rooms or (in_studio and kind == "living" and "studio" in row.traits)
+
+
+def is_studio(kinds: Sequence[RoomKind]) -> bool:
+    """Whether a home of rooms of these kinds has one room to live and sleep in.
+
+    A corridor leads to rooms of other storeys: a home with one is no studio.
+    """
+    return kinds.count("living") == 1 and {*kinds} <= {"living", *_BESIDE_STUDIO}
 
 
 def rooms_to_furnish(rooms: Iterable[Room]) -> list[Room]:

@@ -99,6 +99,7 @@ Trait = Literal[
     "on_rug",  # may stand on a rug
     "to_measure",  # cut to the length that it has to have
     "soft",
+    "studio",  # stands in the living room of a home of one room
     "leans",  # against the wall behind the board that it stands on
 ]
 """What sets categories apart that rules speak of."""

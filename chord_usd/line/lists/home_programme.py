@@ -6,13 +6,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from chord_usd.base.metrics.design.home_rules import MOST_DINERS
-from chord_usd.base.metrics.rooms import stands_in
+from chord_usd.base.metrics.rooms import is_studio, stands_in
 from chord_usd.base.metrics.walk import entrance, rooms_beside
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import Opening, Room, RoomKind, SceneGraph
 
 DOUBLE_M2 = 9.0
 """A bedroom at least so large is for two."""
+STUDIO_DOUBLE_M2 = 20.0
+"""The same of a room that people live in, too."""
 EATEN_IN: tuple[RoomKind, ...] = ("dining", "living", "kitchen")
 """Kinds of room that a dining table stands in, the likeliest first."""
 WASHED_IN: tuple[RoomKind, ...] = ("balcony", "bathroom", "kitchen")
@@ -33,9 +35,10 @@ def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programm
     for room in sorted(rooms, key=lambda one: -areas[one.id]):
         largest.setdefault(room.kind, room)
     sleepers = 0
+    in_studio = is_studio([room.kind for room in rooms])
     for room in rooms:
-        if room.kind == "bedroom":
-            double = areas[room.id] >= DOUBLE_M2
+        if room.kind == "bedroom" or (in_studio and room.kind == "living"):
+            double = areas[room.id] >= (STUDIO_DOUBLE_M2 if in_studio else DOUBLE_M2)
             sleepers += 2 if double else 1
             found[room.id] += ["bed", "cabinet", *["bedside_table"] * (2 if double else 1)]
         if room.kind == "store":

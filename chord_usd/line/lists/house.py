@@ -10,7 +10,7 @@ import numpy as np
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.base.metrics.complete import ESSENTIALS, lacking
 from chord_usd.base.metrics.design import ROOM_RULES
-from chord_usd.base.metrics.rooms import stands_in
+from chord_usd.base.metrics.rooms import is_studio, stands_in
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import ROOM_KINDS, Item, Plan, Room, SceneGraph
 from chord_usd.line.lists.home_programme import Programme, programme_of
@@ -101,10 +101,15 @@ class _Table:
     def whole(self) -> dict[int, list[Drawn]]:
         """Lists of every room: what it holds, and where."""
         order = [
-            (at, self._planned(at) if nth % 2 else self._subject(at))
+            (at, self._planned(at) if nth % 2 or self._is_slept_in(at) else self._subject(at))
             for at in range(len(self.jobs)) for nth in range(self._count(at))
         ]  # fmt: skip
         return self._lengthened(self._drawn(order))
+
+    def _is_slept_in(self, at: int) -> bool:
+        """Networks have learned beds in bedrooms only: elsewhere the programme has to name them."""
+        room, _ = self.jobs[at]
+        return room.kind != "bedroom" and "bed" in self.programme.get(room.id, ())
 
     def _planned(self, at: int) -> Subject:
         """With what the home needs in a room, unless somebody says what it shall hold."""
@@ -189,7 +194,8 @@ def _foreign(around: Around) -> set[str]:
     """Categories that stand in no room of this kind. A garage as large as a living room would be
     furnished as one."""
     kind = ROOM_KINDS[int(around.facts[0])]
-    return {name for name in PIECES.categories if not stands_in(name, kind)}
+    in_studio = is_studio(around.kinds_of_home)
+    return {name for name in PIECES.categories if not stands_in(name, kind, in_studio)}
 
 
 def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at: int) -> Subject:

@@ -23,7 +23,16 @@ from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.scene.geometry import footprint, room_polygon
 from chord_usd.base.scene.palette import CATEGORIES, Category, Level, Mount, ranked
-from chord_usd.base.scene.types import ROOM_KINDS, Box, FloatArray, Item, Opening, Room, SceneGraph
+from chord_usd.base.scene.types import (
+    ROOM_KINDS,
+    Box,
+    FloatArray,
+    Item,
+    Opening,
+    Room,
+    RoomKind,
+    SceneGraph,
+)
 from chord_usd.base.scene.units import rotation_2d, wrap_deg
 from chord_usd.line.lists.vocabulary import Element, Floats, Ints, Vocabulary
 
@@ -63,6 +72,8 @@ TEACHERS: tuple[Teacher, ...] = ("homes", "paper")
 """Whose houses the network imitates (data.furnish.mix)."""
 AREAS = 24
 _LEAST_AREA_M2, _AREA_STEP = 1.0, 1.2
+_ROOMS_A_FLAG = 3.0
+"""Rooms of a kind for which its flag is 1."""
 
 _FIRST_CLEAR = 1 + SEGMENT_KINDS.index("clear of way")
 _CLEAR_OF = {
@@ -122,6 +133,13 @@ class Around:
     flags: Floats
     """What touching rooms hold, what other rooms hold, how many rooms of each kind the house has,
     and whether what others hold is told at all."""
+
+    @property
+    def kinds_of_home(self) -> list[RoomKind]:
+        """The kind of each room of the house, in the order of ROOM_KINDS."""
+        counts = self.flags[2 * len(CATEGORY_ORDER) : -1] * _ROOMS_A_FLAG
+        return [kind for kind, count in zip(ROOM_KINDS, counts, strict=True)
+                for _ in range(round(float(count)))]  # fmt: skip
 
 
 def frame_of(room: Room) -> Frame:
@@ -209,7 +227,7 @@ def _flags(
         if known is not None and other is not room and other.id in known:
             into = beside if other.id in touching else elsewhere
             np.maximum(into, held[other.id], out=into)
-    others = counts.astype(np.float32) / 3.0
+    others = counts.astype(np.float32) / _ROOMS_A_FLAG
     return np.concatenate([beside, elsewhere, others, [float(known is not None)]]).astype(
         np.float32
     )
