@@ -35,7 +35,7 @@ TEXTURE_PX = 1024
 
 _GENERATOR = (
     *("catalogue.py", "design_tables.py", "component.py", "component_prims.py", "material.py"),
-    *("kit", "surfaces", *FOLDERS, "cloth", "looks/look_noise.py"),
+    *("kit", "surfaces", *FOLDERS, "cloth", "textures"),
     "../base/scene/categories.tsv",
 )
 """What the bytes of the assets depend on."""

@@ -16,7 +16,6 @@ from chord_usd.library.component import write_component
 from chord_usd.library.kit.model import Design
 from chord_usd.library.kit.shading import corner_uvs_m
 from chord_usd.library.kit.solids import block, cylinder
-from chord_usd.library.looks.look_noise import normal_map
 from chord_usd.library.surfaces.drawn import DrawnFinishes
 from chord_usd.library.surfaces.finishes import FINISHES, PLAIN
 from chord_usd.library.surfaces.surface_maps import (
@@ -27,6 +26,7 @@ from chord_usd.library.surfaces.surface_maps import (
     map_files,
     pattern_of,
 )
+from chord_usd.library.textures.ground import normal_map
 from chord_usd.line.stage.export.packages import Packages
 from tests.design_forms import forms
 from tests.every import for_every
@@ -39,7 +39,7 @@ DRAWN = {name: finish for name, finish in FINISHES.items() if has_maps(finish)}
 def test_tiles_meet_at_their_edges(surface: str) -> None:
     """Over the edge, neighbours differ no more than they do within the tile."""
     pattern = pattern_of(surface, PX)
-    normals = normal_map(pattern.height_m, pattern.tile_m)
+    normals = normal_map(pattern.height_m, pattern.ground.tile_m)
     for field in (pattern.depth, pattern.roughness, normals[..., 0], normals[..., 1]):
         for axis in (0, 1):
             steps = np.abs(np.diff(field, axis=axis)).mean(axis=1 - axis)

@@ -16,11 +16,10 @@ from chord_usd.base.scene.credits import AUTHOR, LICENCE
 from chord_usd.base.scene.look_families import Family
 from chord_usd.base.scene.looks import LOOK_FILE
 from chord_usd.library.looks import look_coats, look_tiles, look_wood
-from chord_usd.library.looks.look_ground import Raster
 from chord_usd.library.looks.look_library import BASE_PX, look_key
-from chord_usd.library.looks.look_noise import normal_map
 from chord_usd.library.looks.look_package import map_file, write_material
 from chord_usd.library.looks.look_wood import Maps
+from chord_usd.library.textures.ground import Raster, normal_map
 
 DRAWINGS: dict[str, Callable[..., Maps]] = {
     "planks": look_wood.planks,

@@ -27,8 +27,8 @@ BASE_PX = 1024
 """Side of the colour map unless asked otherwise; roughness and normals have half of it."""
 
 _GENERATOR = (
-    "look_boards.py", "look_coats.py", "look_colours.py", "look_drawing.py", "look_ground.py",
-    "look_library.py", "look_noise.py", "look_package.py", "look_tiles.py", "look_wood.py",
+    "look_coats.py", "look_colours.py", "look_drawing.py", "look_library.py", "look_package.py",
+    "look_tiles.py", "look_wood.py", "../textures/boards.py", "../textures/ground.py",
 )  # fmt: skip
 
 

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from chord_usd.library.looks.look_boards import Boards, hexagons, running, upright
 from chord_usd.library.looks.look_colours import CHIPS, MARBLES, lit, mixed, plain, rgb_of
-from chord_usd.library.looks.look_ground import (
+from chord_usd.library.looks.look_wood import Maps
+from chord_usd.library.textures.boards import Boards, hexagons, running, upright
+from chord_usd.library.textures.ground import (
     Ground,
     Points,
     Raster,
@@ -17,7 +18,6 @@ from chord_usd.library.looks.look_ground import (
     noise,
     stamped,
 )
-from chord_usd.library.looks.look_wood import Maps
 
 OFFSETS = {"stack": 0.0, "half": 0.5, "third": 1.0 / 3.0}
 """Bonds of tiles: share of a tile by which each row is shifted."""

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from chord_usd.base.scene.types import ROOM_HEIGHT_M
-from chord_usd.library.looks.look_boards import (
+from chord_usd.library.looks.look_colours import WOODS, lit, mixed, plain, rgb_of, toned
+from chord_usd.library.textures.boards import (
     Boards,
     basket,
     chevron,
@@ -16,9 +17,9 @@ from chord_usd.library.looks.look_boards import (
     herringbone_tile_m,
     running,
     upright,
+    years,
 )
-from chord_usd.library.looks.look_colours import WOODS, lit, mixed, plain, rgb_of, toned
-from chord_usd.library.looks.look_ground import Ground, Raster, looked_up, noise
+from chord_usd.library.textures.ground import Ground, Raster, looked_up, noise
 
 _RING_M = 0.0085
 """Mean width of a year; finer ones would be finer than the pixels."""
@@ -112,9 +113,16 @@ def timber(
     streak = noise(rng, log, 1.3, longest_m=0.3, shortest_m=0.008, stretch=(14.0, 1.0))
     wander = noise(rng, log, 2.0, longest_m=0.5, shortest_m=0.012, stretch=(7.0, 1.0))
     fine = looked_up(fibre + 0.9 * streak, log, along, across)
-    rings = _years(rng, boards, along, looked_up(wander, log, along, across))
+    width_m = float(boards.across_m.max())
+    rings = years(
+        rng, boards, along, looked_up(wander, log, along, across),
+        ring_m=_RING_M, period_m=2.4, waves=2,
+        heart_m=rng.uniform(-0.9, 1.9, boards.count) * width_m,
+        deep_m=rng.uniform(0.008, 0.05, boards.count),
+    )  # fmt: skip
+    late_share = rings * rings * np.clip((1.0 - rings) * 6.0, 0.0, 1.0)
     late, early = (toned(colour, tone) for colour in WOODS[wood])
-    share = 0.62 + 0.09 * fine - 0.42 * rings
+    share = 0.62 + 0.09 * fine - 0.42 * late_share
     gain = 1.0 + boards.each(_tones(rng, boards.count, variation * (1.0 + 0.5 * wear)))
     joint = boards.joint(joint_m)
     trodden = np.zeros(1, dtype=np.float32)
@@ -128,25 +136,6 @@ def timber(
     height = bevel_m * rise + 3e-5 * fine + 1.2e-4 * trodden
     rough = 0.85 - 0.55 * sheen - 0.03 * fine + 0.22 * joint + 0.07 * trodden
     return Maps(ground, rgb, rough, height)
-
-
-def _years(rng: np.random.Generator, boards: Boards, along: Raster, wander: Raster) -> Raster:
-    """How much late wood there is, 0 to 1: a cut through rings around the heart of a tree.
-
-    Where the cut comes near the heart the rings lie open as flames, beside that as lines.
-    """
-    count = boards.count
-    width_m = float(boards.across_m.max())
-    heart = boards.each(rng.uniform(-0.9, 1.9, count) * width_m)
-    deep = boards.each(rng.uniform(0.008, 0.05, count))
-    turn = along * np.float32(2.0 * np.pi / 2.4) + boards.each(rng.uniform(0.0, 6.28, count))
-    sway = np.sin(turn)
-    aside = boards.across_m - heart + 0.012 * sway
-    rise = deep * (1.1 + 0.8 * np.sin(2.0 * turn + 1.0))
-    radius = np.sqrt(aside * aside + rise * rise) + 0.0045 * wander
-    years = radius / np.float32(_RING_M) + boards.each(rng.uniform(0.0, 1.0, count))
-    phase = years - np.floor(years)
-    return phase * phase * np.clip((1.0 - phase) * 6.0, 0.0, 1.0)
 
 
 def _near(boards: Boards, reach_m: float) -> Raster:

@@ -17,10 +17,12 @@ from pathlib import Path
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.library.looks.look_noise import normal_map
 from chord_usd.library.surfaces import surface_cloth, surface_mineral, surface_wood, surface_worked
 from chord_usd.library.surfaces.finishes import Finish
-from chord_usd.library.surfaces.surface_pattern import Pattern, TileM
+from chord_usd.library.surfaces.surface_pattern import Pattern
+from chord_usd.library.textures.ground import Ground, normal_map
+
+TileM = tuple[float, float]
 
 MAPS_FOLDER = "Finishes"
 """Name of the folder of maps beside the components of a database."""
@@ -31,35 +33,36 @@ MAP_PX = 512
 ROUGHNESS_RANGE = 2.0
 """What white of a roughness map stands for: twice the roughness of the finish."""
 
-SURFACES: dict[str, Callable[[np.random.Generator, int], Pattern]] = {
-    "wood": surface_wood.wood,
-    "rattan": surface_wood.rattan,
-    "bark": surface_wood.bark,
-    "soil": surface_wood.soil,
-    "leaf": surface_wood.leaf,
-    "weave": surface_cloth.weave,
-    "linen": surface_cloth.linen,
-    "crumpled": surface_cloth.crumpled,
-    "knit": surface_cloth.knit,
-    "boucle": surface_cloth.boucle,
-    "velvet": surface_cloth.velvet,
-    "leather": surface_cloth.leather,
-    "paper": surface_cloth.paper,
-    "brushed": surface_mineral.brushed,
-    "stone": surface_mineral.stone,
-    "marble": surface_mineral.marble,
-    "quartz": surface_mineral.quartz,
-    "ceramic": surface_mineral.ceramic,
-    "concrete": surface_mineral.concrete,
-    "terracotta": surface_mineral.terracotta,
-    "polished": surface_worked.polished,
-    "powder": surface_worked.powder,
-    "patina": surface_worked.patina,
-    "glaze": surface_worked.glaze,
-    "moulded": surface_worked.moulded,
-    "peel": surface_worked.peel,
-    "kernels": surface_worked.kernels,
+SURFACES: dict[str, tuple[TileM, Callable[[np.random.Generator, Ground], Pattern]]] = {
+    "wood": ((1.3, 0.72), surface_wood.wood),
+    "rattan": ((0.096, 0.096), surface_wood.rattan),
+    "bark": ((0.16, 0.12), surface_wood.bark),
+    "soil": ((0.2, 0.2), surface_wood.soil),
+    "leaf": ((0.12, 0.06), surface_wood.leaf),
+    "weave": ((0.208, 0.208), surface_cloth.weave),
+    "linen": ((0.2, 0.2), surface_cloth.linen),
+    "crumpled": ((0.9, 0.9), surface_cloth.crumpled),
+    "knit": ((0.192, 0.192), surface_cloth.knit),
+    "boucle": ((0.24, 0.24), surface_cloth.boucle),
+    "velvet": ((0.5, 0.5), surface_cloth.velvet),
+    "leather": ((0.3, 0.3), surface_cloth.leather),
+    "paper": ((0.2, 0.2), surface_cloth.paper),
+    "brushed": ((0.5, 0.25), surface_mineral.brushed),
+    "stone": ((0.9, 0.9), surface_mineral.stone),
+    "marble": ((1.3, 1.3), surface_mineral.marble),
+    "quartz": ((0.4, 0.4), surface_mineral.quartz),
+    "ceramic": ((0.25, 0.25), surface_mineral.ceramic),
+    "concrete": ((1.0, 1.0), surface_mineral.concrete),
+    "terracotta": ((0.3, 0.3), surface_mineral.terracotta),
+    "polished": ((0.4, 0.4), surface_worked.polished),
+    "powder": ((0.16, 0.16), surface_worked.powder),
+    "patina": ((0.25, 0.25), surface_worked.patina),
+    "glaze": ((0.3, 0.3), surface_worked.glaze),
+    "moulded": ((0.12, 0.12), surface_worked.moulded),
+    "peel": ((0.08, 0.08), surface_worked.peel),
+    "kernels": ((0.12, 0.12), surface_worked.kernels),
 }
+"""Size of the tile in metres, along the grain first, and what draws it."""
 
 
 def _encoded(linear: FloatArray) -> FloatArray:
@@ -92,7 +95,8 @@ def pattern_of(surface: str, px: int) -> Pattern:
     """The tile of a surface, px wide and high; the same every time."""
     # A seed of its own, so that adding a surface leaves the others as they are.
     seed = int.from_bytes(hashlib.sha256(surface.encode()).digest()[:8], "big")
-    return SURFACES[surface](np.random.default_rng(seed), px)
+    tile_m, draw = SURFACES[surface]
+    return draw(np.random.default_rng(seed), Ground(px, tile_m))
 
 
 def colour_map(finish: Finish, px: int) -> FloatArray:
@@ -104,8 +108,7 @@ def colour_map(finish: Finish, px: int) -> FloatArray:
     # Light that goes deeper into the material loses most of what it has least of.
     weight = np.clip(darkness / -np.log(min(luminance, 0.97)), 0.4, 2.2)
     weight = 1.0 + pattern.tinted * (weight - 1.0)
-    depth = (finish.contrast * pattern.depth).astype(np.float32)
-    warmth = None if pattern.warmth is None else pattern.warmth.astype(np.float32)
+    depth, warmth = finish.contrast * pattern.depth, pattern.warmth
     channels = []
     for mean, share, warmed in zip(base.tolist(), weight.tolist(), (1.0, 0.0, -1.4), strict=True):
         linear = mean * np.exp(-1.6 * share * depth)
@@ -131,20 +134,14 @@ def map_files(finish: Finish, folder: Path, px: int = MAP_PX) -> MapFiles:
 
     def normal() -> FloatArray:
         pattern = pattern_of(surface, px)
-        return normal_map(pattern.height_m, pattern.tile_m) * 255.0
+        return normal_map(pattern.height_m, pattern.ground.tile_m) * 255.0
 
     return MapFiles(
         _kept(folder, f"{surface}_{tint}_{px}", lambda: colour_map(finish, px), 88),
         _kept(folder, f"{surface}_roughness_{px}", roughness, 84),
         _kept(folder, f"{surface}_normal_{px}", normal, 90),
-        tile_of(surface),
+        SURFACES[surface][0],
     )
-
-
-@lru_cache(maxsize=64)
-def tile_of(surface: str) -> TileM:
-    """Size of the tile of a surface in metres."""
-    return pattern_of(surface, 16).tile_m
 
 
 def _kept(folder: Path, name: str, draw: Callable[[], FloatArray], quality: int) -> str:

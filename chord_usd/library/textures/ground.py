@@ -1,6 +1,6 @@
-"""What wall and floor looks are drawn on, in metres: noise, shapes, lookups. All wrap around.
+"""What looks and finishes are drawn on, in metres: noise, lookups, cells, shapes, normals.
 
-Fields are (H, W) float32 arrays, row 0 at the top; one repeat of a look, edges meeting.
+Fields are (H, W) float32 arrays, row 0 at the top: one repeat of a surface, which wraps around.
 """
 
 from __future__ import annotations
@@ -106,6 +106,71 @@ def looked_up(field: Raster, ground: Ground, x_m: Raster, y_m: Raster) -> Raster
 def _wrapped(number: np.ndarray, side: int) -> np.ndarray:
     power_of_two = side & (side - 1) == 0
     return number & (side - 1) if power_of_two else number % side
+
+
+def blurred(field: Raster, ground: Ground, radius_m: float) -> Raster:
+    """Gaussian blur of this standard deviation."""
+    from scipy import fft
+
+    up, across = (
+        np.exp(-2.0 * (math.pi * radius_m / tile * waves) ** 2).astype(np.float32)
+        for tile, waves in zip(
+            ground.tile_m[::-1],
+            (np.fft.fftfreq(ground.px, 1 / ground.px), np.arange(ground.px // 2 + 1)),
+            strict=True,
+        )
+    )
+    waves = fft.rfft2(np.asarray(field, dtype=np.float32))
+    waves *= up[:, None]
+    waves *= across[None, :]
+    soft: Raster = fft.irfft2(waves, s=ground.shape)
+    return soft
+
+
+def smoothstep(low: float, high: float, value: Raster) -> Raster:
+    """0 below low, 1 above high, smooth between."""
+    share = np.clip((value - low) / (high - low), 0.0, 1.0)
+    return share * share * (3.0 - 2.0 * share)
+
+
+def grains(rng: np.random.Generator, ground: Ground, across: int) -> tuple[np.ndarray, Raster]:
+    """Cells around across ** 2 points that are spread about evenly.
+
+    (H, W) number of the cell, and distance to the cell's border in widths of a cell, up to about
+    a half.
+    """
+    jitter = rng.uniform(0.08, 0.92, (2, across * across)).astype(np.float32)
+    at = ((np.arange(ground.px) + 0.5) * across / ground.px).astype(np.float32)
+    home = at.astype(np.int32)
+    first, second = (np.full(ground.shape, 81.0, dtype=np.float32) for _ in range(2))
+    number = np.zeros(ground.shape, dtype=np.int32)
+    for down in (-1, 0, 1):
+        y = home + down
+        for right in (-1, 0, 1):
+            x = home + right
+            index = (y % across * across)[:, None] + (x % across)[None, :]
+            rise = jitter[0].take(index)
+            rise += (y - at)[:, None]
+            away = jitter[1].take(index)
+            away += (x - at)[None, :]
+            away *= away
+            away += rise * rise
+            np.minimum(second, np.maximum(first, away), out=second)
+            np.copyto(number, index, where=away < first, casting="same_kind")
+            np.minimum(first, away, out=first)
+    return number, (np.sqrt(second) - np.sqrt(first)) / 2
+
+
+def normal_map(height_m: Raster, tile_m: tuple[float, float]) -> Raster:
+    """(H, W, 3) normals in [0, 1] (OpenGL: green is up) of a height field in metres."""
+    step_x = tile_m[0] / height_m.shape[1]
+    step_y = tile_m[1] / height_m.shape[0]
+    slope_x = (np.roll(height_m, -1, axis=1) - np.roll(height_m, 1, axis=1)) / (2 * step_x)
+    # Rows run down, v runs up.
+    slope_y = (np.roll(height_m, 1, axis=0) - np.roll(height_m, -1, axis=0)) / (2 * step_y)
+    normal = np.stack([-slope_x, -slope_y, np.ones_like(slope_x)], axis=-1)
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    return normal * 0.5 + 0.5
 
 
 def stamped(

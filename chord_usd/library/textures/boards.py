@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chord_usd.library.looks.look_ground import Ground, Raster
+from chord_usd.library.textures.ground import Ground, Raster
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,3 +188,28 @@ def _numbered(key: np.ndarray) -> np.ndarray:
     used = np.zeros(int(key.max()) + 1, dtype=bool)
     used[key.reshape(-1)] = True
     return (np.cumsum(used, dtype=np.int32) - 1)[key]
+
+
+def years(
+    rng: np.random.Generator, boards: Boards, along_m: Raster, wander: Raster, *,
+    heart_m: np.ndarray, deep_m: np.ndarray, ring_m: float, period_m: float, waves: int,
+    uneven: float = 0.0,
+) -> Raster:  # fmt: skip
+    """(H, W) age of the wood within its year, 0 to 1: a cut through rings around a tree's heart.
+
+    Where the cut comes near the heart, the rings are open as flames, beside that they are lines.
+
+    along_m, wander: (H, W) place along the tree, which repeats after period_m, and waver of the
+    rings. heart_m, deep_m: of each board, where the heart of its tree is across the board and how
+    deep below the cut. waves: how often the cut comes near the heart in a period. uneven: by how
+    many years rings are wider or narrower than ring_m.
+    """
+    turn = along_m * np.float32(2.0 * np.pi / period_m)
+    turn = turn + boards.each(rng.uniform(0.0, 6.28, boards.count))
+    aside = boards.across_m - boards.each(heart_m) + 0.012 * np.sin(turn)
+    rise = boards.each(deep_m) * (1.1 + 0.8 * np.sin(float(waves) * turn + 1.0))
+    radius = np.sqrt(aside * aside + rise * rise) + 0.0045 * wander
+    age = radius / np.float32(ring_m) + boards.each(rng.uniform(0.0, 1.0, boards.count))
+    if uneven:
+        age += uneven * np.sin(71.0 * radius)
+    return age - np.floor(age)

@@ -1,0 +1,1 @@
+"""Rasters of one repeat of a surface, which looks and finishes are drawn on."""
