@@ -10,7 +10,6 @@ from chord_usd.base.scene.styles import STYLES
 from chord_usd.library.catalogue import designs
 from chord_usd.library.kit.model import Design, Part
 from chord_usd.library.pictures.wall_pictures import ART_SLOTS
-from chord_usd.library.storage.shelves import board_heights_m
 from tests.design_forms import forms
 from tests.every import for_every
 from tests.whole_meshes import is_manifold, points_differ
@@ -101,13 +100,3 @@ def test_all_lamps_of_rooms_say_where_they_shine() -> None:
     for design in ALL:
         if design.category in ("ceiling_lamp", "pendant_lamp", "floor_lamp", "wall_lamp"):
             assert design.light is not None, design.id
-
-
-def test_boards_of_shelves_are_where_they_are_said_to_be() -> None:
-    for design in ALL:
-        if design.category == "wall_shelf":
-            for level_m in board_heights_m(design.id, design.size_m[2]):
-                area_m2 = flat_area_m2(design.parts(), 2, level_m)
-                assert area_m2 > 0.6 * (design.size_m[0] - 0.08) * (design.size_m[1] - 0.03), (
-                    design.id
-                )

@@ -20,7 +20,7 @@ from chord_usd.library.kit.solids import (
     tube,
 )
 from chord_usd.library.kitchen.bottles import pump_bottle
-from chord_usd.library.kitchen.vessels import hollow
+from chord_usd.library.kitchen.vessels import vessel
 
 _ROLL_M, _CORE_M, _ROLL_LENGTH_M = 0.052, 0.02, 0.098
 
@@ -230,7 +230,7 @@ def toothbrush_cup(size_m: Size, *, glass: bool = False) -> tuple[Part, ...]:
     """A cup with two brushes and perhaps a tube of paste."""
     _length, _, tall = size_m
     radius, high = 0.036, 0.105
-    cup = hollow(
+    cup = vessel(
         rounded_profile([(radius * 0.88, 0), (radius * 0.95, 0.004), (radius, high)], 1)
         if not glass
         else [(radius * 0.84, 0), (radius * 0.86, 0.004), (radius, high)],

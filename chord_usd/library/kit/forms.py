@@ -55,11 +55,17 @@ def hollow(profile_m: Sequence[tuple[float, float]], thick_m: float, sides: int 
 
 
 def cup(
-    profile_m: Sequence[tuple[float, float]], thick_m: float, floor_m: float, sides: int = 32
-) -> Solid:
-    """A turned vessel: its outside (radius, z) from the underside to the rim, and an inside."""
+    profile_m: Sequence[tuple[float, float]], thick_m: float, floor_m: float, sides: int = 32, *,
+    lip: bool = False,
+) -> Solid:  # fmt: skip
+    """A turned vessel: its outside (radius, z) from the underside to the rim, and an inside.
+
+    lip: whether its rim is rounded.
+    """
+    radius, top = profile_m[-1]
+    rim = [(radius - 0.4 * thick_m, top + 0.3 * thick_m)] if lip else []
     inside = [(max(r - thick_m, 0.002), z) for r, z in reversed(profile_m) if z > floor_m]
-    return outward(lathe([*profile_m, *inside, (0.0, floor_m)], sides))
+    return outward(lathe([*profile_m, *rim, *inside, (0.0, floor_m)], sides))
 
 
 def arc(

@@ -14,7 +14,7 @@ from chord_usd.library.kit.solids import (
     rounded_profile,
     tube,
 )
-from chord_usd.library.kitchen.vessels import hollow
+from chord_usd.library.kitchen.vessels import vessel
 
 
 def _bottle(radius: float, tall: float, neck: float, shoulder: float, sides: int = 24) -> Solid:
@@ -144,7 +144,7 @@ def carafe(size_m: Size) -> tuple[Part, ...]:
         20,
     )
     return (
-        Part("Carafe", hollow(profile, 0.0025, 0.006), "clear"),
+        Part("Carafe", vessel(profile, 0.0025, 0.006), "clear"),
         Part(
             "Water",
             lathe([(water[0][0] * 0.96, 0.0065), *water, (0, water[-1][1])], 28),

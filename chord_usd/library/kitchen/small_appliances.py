@@ -21,7 +21,7 @@ from chord_usd.library.kit.solids import (
     rounded_slab,
     tube,
 )
-from chord_usd.library.kitchen.vessels import hollow
+from chord_usd.library.kitchen.vessels import vessel
 
 
 def kettle(size_m: Size) -> tuple[Part, ...]:
@@ -281,7 +281,7 @@ def espresso_machine(size_m: Size) -> tuple[Part, ...]:
         0.005,
         8,
     )
-    cup = hollow([(0.022, 0), (0.03, 0.02), (0.033, 0.06)], 0.003, 0.005, 18)
+    cup = vessel([(0.022, 0), (0.03, 0.02), (0.033, 0.06)], 0.003, 0.005, 18)
     cups = joined(
         [
             cup.moved(x, back - 0.06 - 0.06 * (n % 2), high - 0.0005)
@@ -326,7 +326,7 @@ def filter_machine(size_m: Size) -> tuple[Part, ...]:
         ],
         1,
     )
-    jug = hollow(jug_profile, 0.0025, plate_h + 0.007, 28).moved(y=y)
+    jug = vessel(jug_profile, 0.0025, plate_h + 0.007, 28).moved(y=y)
     level = plate_h + 0.066
     brew = lathe(
         [

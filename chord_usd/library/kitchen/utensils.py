@@ -15,7 +15,7 @@ from chord_usd.library.kit.solids import (
     rounded_profile,
     tube,
 )
-from chord_usd.library.kitchen.vessels import hollow
+from chord_usd.library.kitchen.vessels import vessel
 
 
 def whisk_head(low_m: float, long_m: float) -> Solid:
@@ -36,7 +36,7 @@ def utensil_jar(size_m: Size) -> tuple[Part, ...]:
     _length, _width, tall = size_m
     radius = 0.055
     high = 0.155
-    crock = hollow(
+    crock = vessel(
         rounded_profile(
             [
                 (radius * 0.9, 0),

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from chord_usd.library.kit.forms import cup
 from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
@@ -21,11 +22,9 @@ from chord_usd.library.kit.solids import (
 Profile = Sequence[tuple[float, float]]
 
 
-def hollow(outside: Profile, wall_m: float, floor_m: float, sides: int = 26) -> Solid:
-    """A vessel turned from its outside, foot first, to the rim; the inside is wall_m further in."""
-    rim = [(outside[-1][0] - 0.4 * wall_m, outside[-1][1] + 0.3 * wall_m)]
-    inside = [(max(r - wall_m, 0.002), z) for r, z in reversed(outside) if z > floor_m]
-    return lathe([*outside, *rim, *inside, (0.0, floor_m)], sides)
+def vessel(outside: Profile, wall_m: float, floor_m: float, sides: int = 26) -> Solid:
+    """A vessel with a rounded rim, turned from its outside, foot first."""
+    return cup(outside, wall_m, floor_m, sides, lip=True)
 
 
 def jar(size_m: Size, *, fill: float = 0.8, clip: bool = False) -> tuple[Part, ...]:
@@ -54,7 +53,7 @@ def _jar(
         (radius * 0.96, rim - 0.006),
         (radius * 0.93, rim),
     ]
-    glass = hollow(outside, 0.003, 0.006, sides)
+    glass = vessel(outside, 0.003, 0.006, sides)
     top = 0.0065 + (rim - 0.02) * fill
     inner = radius - 0.0036
     stuff = lathe(
@@ -200,7 +199,7 @@ def _bowl(radius: float, tall: float) -> Solid:
         (radius, tall - 0.002),
     ]
     rounded = rounded_profile(profile, 1)
-    return hollow(rounded[:1] + rounded[2:], 0.006, 0.014, 28)
+    return vessel(rounded[:1] + rounded[2:], 0.006, 0.014, 28)
 
 
 def fruit_bowl(size_m: Size) -> tuple[Part, ...]:

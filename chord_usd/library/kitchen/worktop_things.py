@@ -19,7 +19,7 @@ from chord_usd.library.kit.solids import (
     rounded_slab,
     tube,
 )
-from chord_usd.library.kitchen.vessels import hollow
+from chord_usd.library.kitchen.vessels import vessel
 
 
 def _lid(radius: float, z: float, dome: float) -> Solid:
@@ -149,7 +149,7 @@ def frying_pan(size_m: Size) -> tuple[Part, ...]:
     radius = width / 2
     x = -length / 2 + radius
     rim = 0.046
-    pan = hollow(
+    pan = vessel(
         [(radius * 0.76, 0), (radius * 0.8, 0.003), (radius * 0.92, rim * 0.55), (radius, rim)],
         0.004,
         0.006,

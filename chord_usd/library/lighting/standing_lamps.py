@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
     Solid,
-    at_corners,
     bent_path,
     block,
     box,
@@ -26,12 +26,14 @@ from chord_usd.library.kit.solids import (
     pair,
     tube,
 )
-
-
-def bulb(radius_m: float = 0.03) -> Solid:
-    """A bulb, its neck at the origin, its top 2.4 radii higher."""
-    crown = sphere_profile(radius_m, -0.7, 1.0, 8, 1.4 * radius_m)
-    return outward(lathe([(0.4 * radius_m, 0.0), (0.42 * radius_m, 0.3 * radius_m), *crown], 16))
+from chord_usd.library.lighting.lamp_parts import (
+    FLOOR_SHADE,
+    bulb,
+    cloth_shade,
+    metal_shade,
+    paper_box,
+    two_rods,
+)
 
 
 def _disc_foot(radius_m: float) -> Solid:
@@ -46,26 +48,6 @@ def _felt(foot: Solid, height_m: float) -> tuple[Solid, ...]:
     return foot, box((0.03, 0.03, height_m))
 
 
-def _shade(low: float, high: float, wide: float, narrow: float) -> tuple[Part, ...]:
-    """A cloth shade with its rims and the ring that carries it."""
-    skin = hollow([(wide, low), (narrow, high)], 0.0025, 40)
-    rims = [
-        hollow([(wide + 0.001, low - 0.0006), (wide + 0.001, low + 0.007)], 0.005, 40),
-        hollow([(narrow + 0.001, high - 0.007), (narrow + 0.001, high + 0.0006)], 0.005, 40),
-    ]
-    spokes = [
-        block((2 * narrow - 0.004, 0.004, 0.003), 0.001)
-        .turned("z", turn)
-        .moved(z=high - 0.022 + 0.004 * i)
-        for i, turn in enumerate((0, 90))
-    ]
-    return (
-        Part("Shade", skin, "shade", None),
-        Part("Rims", joined(rims), "trim", None),
-        Part("Spokes", joined(spokes), "metal", None),
-    )
-
-
 def drum(size_m: Size) -> tuple[Part, ...]:
     """A straight post on a disc, under a wide drum."""
     radius, height = size_m[0] / 2, size_m[2]
@@ -74,7 +56,7 @@ def drum(size_m: Size) -> tuple[Part, ...]:
     pole = cylinder(0.01, low + 0.08, 0.0, 14).moved(z=0.03)
     return (
         Part("Foot", foot + pole, "metal", felt=_felt(cylinder(0.14, 0.03), low)),
-        *_shade(low, height, radius, radius),
+        *cloth_shade(low, height, radius, radius, FLOOR_SHADE),
         Part("Bulb", bulb(0.032).moved(z=low + 0.1), "bulb", None),
     )
 
@@ -105,7 +87,7 @@ def classic(size_m: Size) -> tuple[Part, ...]:
     finial = lathe([(0.004, 0.0), (0.009, 0.008), (0.004, 0.014), (0.0, 0.024)], 12)
     return (
         Part("Column", outward(lathe(profile, 28)), "metal", felt=_felt(cylinder(0.15, 0.03), low)),
-        *_shade(low, height - 0.02, radius, radius * 0.62),
+        *cloth_shade(low, height - 0.02, radius, radius * 0.62, FLOOR_SHADE),
         Part("Harp", cylinder(0.003, 0.22, 0.0, 8).moved(z=low + 0.07), "metal", None),
         Part("Finial", finial.moved(z=height - 0.024), "metal", None),
         Part("Bulb", bulb(0.032).moved(z=low + 0.11), "bulb", None),
@@ -140,7 +122,7 @@ def tripod(size_m: Size) -> tuple[Part, ...]:
     return (
         Part("Legs", joined(legs), "wood", felt=tuple(felt)),
         Part("Hub", hub.moved(z=low - 0.055), "metal", None),
-        *_shade(low, height, radius, radius * 0.84),
+        *cloth_shade(low, height, radius, radius * 0.84, FLOOR_SHADE),
         Part("Bulb", bulb(0.032).moved(z=low + 0.1), "bulb", None),
     )
 
@@ -165,13 +147,13 @@ def bow_lamp(size_m: Size) -> tuple[Part, ...]:
     )
     out = arc((dome_r, 0.0), (dome_r, dome_r * 0.95), (0.02, dome_r * 0.98), 7)
     inner = [(r - 0.004, z - 0.002) for r, z in out[:-1]]
-    at = {"x": head_x, "z": low + 0.19 - dome_r * 0.98}
+    dome_z = low + 0.19 - dome_r * 0.98
+    light = bulb(0.03).turned("x", 180).moved(z=low + 0.16 - dome_z)
+    dome = metal_shade(out, inner, light, sides=30, name="Dome")
     felt = (cylinder(foot_r, 0.03).moved(foot_x), box((0.03, 0.03, height * 0.8)).moved(foot_x))
     return (
         Part("Post", foot + tube(path, 0.0085, 10), "metal", felt=felt),
-        Part("Dome", hollow(out, 0.0025, 30).moved(**at), "metal", None),
-        Part("Inside", hollow(inner, 0.0012, 36).moved(**at), "lining", None),
-        Part("Bulb", bulb(0.03).turned("x", 180).moved(head_x, z=low + 0.16), "bulb", None),
+        *(replace(part, solid=part.solid.moved(head_x, z=dome_z)) for part in dome),
     )
 
 
@@ -187,28 +169,8 @@ def reader(size_m: Size) -> tuple[Part, ...]:
     waist = np.array([foot_x, 0.0, height * 0.42])
     rods = [
         tube([[foot_x, 0, 0.03], waist.tolist()], 0.011, 10),
-        *(
-            tube(
-                [
-                    (waist + np.array([0.0, s * 0.014, 0.0])).tolist(),
-                    (elbow + np.array([0.0, s * 0.014, 0.0])).tolist(),
-                ],
-                0.005,
-                8,
-            )
-            for s in (-1, 1)
-        ),
-        *(
-            tube(
-                [
-                    (elbow + np.array([0.0, s * 0.0145, 0.0])).tolist(),
-                    (hand + np.array([0.0, s * 0.0145, 0.0])).tolist(),
-                ],
-                0.005,
-                8,
-            )
-            for s in (-1, 1)
-        ),
+        two_rods(waist, elbow, 0.014, 0.005),
+        two_rods(elbow, hand, 0.0145, 0.005),
     ]
     knuckle = cylinder(0.018, 0.044, 0.003, 18).moved(z=-0.022).turned("x", 90)
     joints = [
@@ -216,26 +178,15 @@ def reader(size_m: Size) -> tuple[Part, ...]:
     ]
     cone = [(head_r, 0.0), (0.04, 0.13), (0.034, 0.18), (0.02, 0.19)]
     inner = [(head_r - 0.004, -0.002), (0.036, 0.126)]
-    tilt = 16.0
-    parts = []
-    for name, solid, slot in (
-        ("Cone", hollow(cone, 0.0025, 32), "metal"),
-        ("Inside", hollow(inner, 0.0012, 32), "lining"),
-        ("Bulb", bulb(0.03).turned("x", 180).moved(z=0.12), "bulb"),
-    ):
-        parts.append(
-            Part(
-                name,
-                solid.moved(z=-0.17).turned("y", tilt).moved(float(hand[0]), 0.0, float(hand[2])),
-                slot,
-                None,
-            )
-        )
+    head = metal_shade(cone, inner, bulb(0.03).turned("x", 180).moved(z=0.12))
     felt = (cylinder(foot_r, 0.03).moved(foot_x), box((0.03, 0.03, height * 0.9)).moved(foot_x))
     return (
         Part("Post", joined([foot, *rods]), "metal", felt=felt),
         Part("Joints", joined(joints), "trim", None),
-        *parts,
+        *(
+            replace(part, solid=part.solid.moved(z=-0.17).turned("y", 16.0).moved(*hand))
+            for part in head
+        ),
     )
 
 
@@ -243,46 +194,18 @@ def column(size_m: Size) -> tuple[Part, ...]:
     """A paper column in a wooden frame."""
     length, width, height = size_m
     post = 0.018
-    at_x, at_y = (length - post) / 2, (width - post) / 2
-    posts = at_corners(block((post, post, height), 0.002), at_x, at_y)
-    rails = []
-    for z in (0.1, 0.36, 0.62, 0.88):
-        for s in (-1, 1):
-            rails.append(
-                block((length - 2 * post + 0.002, 0.008, 0.012), 0.001).moved(
-                    y=s * at_y, z=z * height
-                )
-            )
-            rails.append(
-                block((0.008, width - 2 * post + 0.002, 0.0115), 0.001).moved(
-                    x=s * at_x, z=z * height
-                )
-            )
-    for s in (-1, 1):
-        rails.append(
-            block((0.007, 0.007, 0.78 * height), 0.001).moved(y=s * at_y, z=0.1 * height + 0.002)
-        )
-        rails.append(
-            block((0.007, 0.007, 0.78 * height), 0.001).moved(x=s * at_x, z=0.1 * height + 0.002)
-        )
-    walls = pair(
-        block((length - 2 * post + 0.006, 0.002, 0.78 * height), 0.0005).moved(z=0.105 * height),
-        y=at_y - 0.006,
-    )
-    walls += pair(
-        block((0.002, width - 2 * post - 0.004, 0.78 * height), 0.0005).moved(z=0.105 * height),
-        x=at_x - 0.006,
-    )
+    frame, paper = paper_box(
+        size_m, (0.1, 0.36, 0.62, 0.88), post_m=post, deep_m=0.008, tall_m=0.012, paper_m=0.002,
+        long_m=0.78 * height,
+    )  # fmt: skip
+    batten = block((0.007, 0.007, 0.78 * height), 0.001).moved(z=0.1 * height + 0.002)
+    frame += [*pair(batten, y=(width - post) / 2), *pair(batten, x=(length - post) / 2)]
+    base = block((length - post, width - post, 0.014), 0.002).moved(z=0.1 * height - 0.004)
     return (
-        Part("Frame", joined([*posts, *rails]), "wood"),
-        Part("Paper", joined(walls), "paper", None),
+        Part("Frame", joined(frame), "wood"),
+        Part("Paper", paper, "paper", None),
         Part("Bulb", bulb(0.04).moved(z=height * 0.45), "bulb", None),
-        Part(
-            "Base",
-            block((length - post, width - post, 0.014), 0.002).moved(z=0.1 * height - 0.004),
-            "wood",
-            None,
-        ),
+        Part("Base", base, "wood", None),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,40 +17,28 @@ from chord_usd.library.kit.joinery import felt_round
 from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
-    at_corners,
     block,
     cylinder,
     joined,
     lathe,
-    pair,
     rounded_profile,
-    tube,
 )
-from chord_usd.library.lighting.standing_lamps import bulb
+from chord_usd.library.lighting.lamp_parts import (
+    TABLE_SHADE,
+    bulb,
+    cloth_shade,
+    metal_shade,
+    paper_box,
+    two_rods,
+)
 
 Draw = Callable[[Size], tuple[Part, ...]]
 
 
 def _shade(low: float, high: float, wide: float, narrow: float) -> tuple[Part, ...]:
-    """A cloth shade with its rims and spokes."""
-    skin = hollow([(wide, low), (narrow, high)], 0.0022, 36)
-    rims = [
-        hollow([(wide + 0.0006, low - 0.0004), (wide + 0.0006, low + 0.005)], 0.0034, 36),
-        hollow([(narrow + 0.0006, high - 0.005), (narrow + 0.0006, high + 0.0004)], 0.0034, 36),
-    ]
-    spokes = [
-        block((2 * narrow - 0.004, 0.003, 0.002), 0.0006)
-        .turned("z", turn)
-        .moved(z=high - 0.014 + 0.0025 * i)
-        for i, turn in enumerate((15, 105))
-    ]
     # Nothing stands on a shade, and what is flat goes under it.
     felt = felt_round(cylinder(narrow * 0.9, high - low).moved(z=low))
-    return (
-        Part("Shade", skin, "shade", felt=felt),
-        Part("Rims", joined(rims), "trim", collider=None),
-        Part("Spokes", joined(spokes), "metal", collider=None),
-    )
+    return cloth_shade(low, high, wide, narrow, TABLE_SHADE, felt)
 
 
 def ball(size_m: Size) -> tuple[Part, ...]:
@@ -181,34 +170,15 @@ def andon(size_m: Size) -> tuple[Part, ...]:
     """A paper box in a wooden frame."""
     length, width, height = size_m
     post = 0.012
-    at_x, at_y = (length - post) / 2, (width - post) / 2
-    posts = at_corners(block((post, post, height), 0.0015), at_x, at_y)
-    rails = []
-    for _index, share in enumerate((0.1, 0.52, 0.9)):
-        for s in (-1, 1):
-            rails.append(
-                block((length - 2 * post + 0.002, 0.007, 0.008), 0.001).moved(
-                    y=s * at_y, z=share * height
-                )
-            )
-            rails.append(
-                block((0.007, width - 2 * post + 0.002, 0.0075), 0.001).moved(
-                    x=s * at_x, z=share * height + 0.0002
-                )
-            )
-    tall = 0.8 * height
-    z = 0.102 * height
-    walls = pair(
-        block((length - 2 * post + 0.004, 0.0016, tall), 0.0004).moved(z=z), y=at_y - 0.005
-    )
-    walls += pair(
-        block((0.0016, width - 2 * post - 0.003, tall), 0.0004).moved(z=z), x=at_x - 0.005
-    )
+    frame, paper = paper_box(
+        size_m, (0.1, 0.52, 0.9), post_m=post, deep_m=0.007, tall_m=0.008, paper_m=0.0016,
+        long_m=0.8 * height,
+    )  # fmt: skip
     base = block((length - post, width - post, 0.01), 0.001).moved(z=0.1 * height - 0.006)
     return (
-        Part("Frame", joined([*posts, *rails]), "wood"),
+        Part("Frame", joined(frame), "wood"),
         Part("Base", base, "wood", collider=None),
-        Part("Paper", joined(walls), "paper", collider=None),
+        Part("Paper", paper, "paper", collider=None),
         Part("Bulb", bulb(0.026).moved(z=height * 0.3), "bulb", collider=None),
     )
 
@@ -225,18 +195,7 @@ def desk_lamp(size_m: Size) -> tuple[Part, ...]:
     foot = lathe(
         [(foot_r, 0.0), (foot_r, 0.008), (foot_r - 0.006, 0.016), (0.02, 0.02), (0.012, 0.05)], 36
     ).moved(foot_x)
-    rods = [
-        tube(
-            [
-                (a + np.array([0.0, s * aside, 0.0])).tolist(),
-                (b + np.array([0.0, s * aside, 0.0])).tolist(),
-            ],
-            0.0036,
-            8,
-        )
-        for a, b, aside in ((waist, elbow, 0.009), (elbow, hand, 0.0085))
-        for s in (-1, 1)
-    ]
+    rods = two_rods(waist, elbow, 0.009, 0.0036) + two_rods(elbow, hand, 0.0085, 0.0036)
     knuckle = cylinder(0.011, 0.028, 0.002, 16).moved(z=-0.014).turned("x", 90)
     joints = [knuckle.moved(*map(float, spot)) for spot in (waist, elbow, hand)]
     cone = [
@@ -247,23 +206,14 @@ def desk_lamp(size_m: Size) -> tuple[Part, ...]:
         (0.012, head_r * 1.8),
     ]
     inner = [(r - 0.0035, z - 0.001) for r, z in cone[:3]]
-    tilt = 24.0
-    parts = []
-    for name, solid, slot in (
-        ("Head", hollow(cone, 0.002, 32), "metal"),
-        ("Inside", hollow(inner, 0.001, 32), "lining"),
-        ("Bulb", bulb(0.022).turned("x", 180).moved(z=head_r * 1.15), "bulb"),
-    ):
-        placed = (
-            solid.moved(z=-head_r * 1.6)
-            .turned("y", tilt)
-            .moved(float(hand[0]), 0.0, float(hand[2]))
-        )
-        collider = "convexHull" if name == "Head" else None
-        parts.append(Part(name, placed, slot, collider=collider))  # type: ignore[arg-type]
+    light = bulb(0.022).turned("x", 180).moved(z=head_r * 1.15)
+    head = metal_shade(cone, inner, light, thick_m=0.002, name="Head", collider="convexHull")
     return (
         Part("Foot", foot, "metal"),
-        Part("Arm", joined(rods), "metal", collider=None),
+        Part("Arm", rods, "metal", collider=None),
         Part("Joints", joined(joints), "trim", collider=None),
-        *parts,
+        *(
+            replace(part, solid=part.solid.moved(z=-head_r * 1.6).turned("y", 24.0).moved(*hand))
+            for part in head
+        ),
     )

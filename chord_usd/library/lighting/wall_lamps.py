@@ -24,7 +24,7 @@ from chord_usd.library.kit.solids import (
     rounded_slab,
     tube,
 )
-from chord_usd.library.lighting.standing_lamps import bulb
+from chord_usd.library.lighting.lamp_parts import bulb
 
 
 def _plate(radius_m: float, back_y_m: float, z_m: float) -> Solid:

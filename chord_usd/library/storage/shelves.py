@@ -198,15 +198,3 @@ _RAIL_M = 0.1
 _RAIL_SIZE_M = (0.08, _RAIL_M)
 _COAT_M = 0.44
 """Width of a coat on its hook."""
-
-
-def board_heights_m(asset_id: str, height_m: float) -> tuple[float, ...]:
-    """Heights over its underside on which things can stand on a wall shelf, lowest first.
-
-    height_m: the shelf's own. Boards reach over its whole length but for 4 cm at either end.
-    """
-    if asset_id.startswith("Shelf_Ladder"):
-        return _ladder_boards(height_m)
-    if asset_id.startswith("Shelf_Box"):
-        return 0.018, height_m
-    return (height_m,)
