@@ -16,7 +16,7 @@ from chord_usd.base.scene.types import FloatArray, Room
 from chord_usd.library.looks.look_drawing import DRAWINGS, draw_look
 from chord_usd.library.looks.look_library import drawn_look, own_looks, style_looks
 from chord_usd.library.looks.look_package import map_file, write_material
-from chord_usd.library.textures.ground import normal_map
+from chord_usd.library.textures.fields import normal_map
 from tests.every import for_every
 
 FAMILIES = load_families()

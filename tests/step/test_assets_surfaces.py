@@ -26,7 +26,7 @@ from chord_usd.library.surfaces.surface_maps import (
     map_files,
     pattern_of,
 )
-from chord_usd.library.textures.ground import normal_map
+from chord_usd.library.textures.fields import normal_map
 from chord_usd.line.stage.export.packages import Packages
 from tests.design_forms import forms
 from tests.every import for_every

@@ -10,7 +10,7 @@ import numpy as np
 from chord_usd.library.looks.look_colours import lit, mixed, plain, rgb_of
 from chord_usd.library.looks.look_wood import Maps
 from chord_usd.library.textures.boards import running
-from chord_usd.library.textures.ground import Ground, Points, Raster, Rgb, noise, stamped
+from chord_usd.library.textures.fields import Ground, Points, Raster, Rgb, noise, stamped
 
 _WALL_M = (2.0, 2.0)
 

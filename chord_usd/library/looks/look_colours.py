@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.library.textures.ground import Raster, Rgb
+from chord_usd.library.textures.fields import Raster, Rgb
 
 WOODS: dict[str, tuple[Rgb, Rgb]] = {
     "white_oak": ((196, 180, 158), (226, 214, 196)),

@@ -19,7 +19,7 @@ from chord_usd.library.looks import look_coats, look_tiles, look_wood
 from chord_usd.library.looks.look_library import BASE_PX, look_key
 from chord_usd.library.looks.look_package import map_file, write_material
 from chord_usd.library.looks.look_wood import Maps
-from chord_usd.library.textures.ground import Raster, normal_map
+from chord_usd.library.textures.fields import Raster, normal_map
 
 DRAWINGS: dict[str, Callable[..., Maps]] = {
     "planks": look_wood.planks,

@@ -28,7 +28,7 @@ BASE_PX = 1024
 
 _GENERATOR = (
     "look_coats.py", "look_colours.py", "look_drawing.py", "look_library.py", "look_package.py",
-    "look_tiles.py", "look_wood.py", "../textures/boards.py", "../textures/ground.py",
+    "look_tiles.py", "look_wood.py", "../textures/boards.py", "../textures/fields.py",
 )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from chord_usd.base.scene.types import ByteArray
 from chord_usd.library.looks.look_wood import Maps
-from chord_usd.library.textures.ground import normal_map
+from chord_usd.library.textures.fields import normal_map
 
 if TYPE_CHECKING:
     from PIL import Image

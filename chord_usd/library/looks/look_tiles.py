@@ -9,7 +9,7 @@ import numpy as np
 from chord_usd.library.looks.look_colours import CHIPS, MARBLES, lit, mixed, plain, rgb_of
 from chord_usd.library.looks.look_wood import Maps
 from chord_usd.library.textures.boards import Boards, hexagons, running, upright
-from chord_usd.library.textures.ground import (
+from chord_usd.library.textures.fields import (
     Ground,
     Points,
     Raster,

@@ -19,7 +19,7 @@ from chord_usd.library.textures.boards import (
     upright,
     years,
 )
-from chord_usd.library.textures.ground import Ground, Raster, looked_up, noise
+from chord_usd.library.textures.fields import Ground, Raster, looked_up, noise
 
 _RING_M = 0.0085
 """Mean width of a year; finer ones would be finer than the pixels."""

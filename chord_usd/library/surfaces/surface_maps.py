@@ -20,7 +20,7 @@ from chord_usd.base.scene.types import FloatArray
 from chord_usd.library.surfaces import surface_cloth, surface_mineral, surface_wood, surface_worked
 from chord_usd.library.surfaces.finishes import Finish
 from chord_usd.library.surfaces.surface_pattern import Pattern
-from chord_usd.library.textures.ground import Ground, normal_map
+from chord_usd.library.textures.fields import Ground, normal_map
 
 TileM = tuple[float, float]
 

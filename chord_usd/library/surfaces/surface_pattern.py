@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chord_usd.library.textures.ground import Ground, Raster
+from chord_usd.library.textures.fields import Ground, Raster
 
 
 @dataclass(frozen=True, eq=False)

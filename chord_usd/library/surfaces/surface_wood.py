@@ -6,7 +6,7 @@ import numpy as np
 
 from chord_usd.library.surfaces.surface_pattern import Pattern, centred, even
 from chord_usd.library.textures.boards import Boards, years
-from chord_usd.library.textures.ground import Ground, blurred, noise, smoothstep
+from chord_usd.library.textures.fields import Ground, blurred, noise, smoothstep
 
 _LEAVES = np.array(
     ((0.0, 0.19, 0.5, 0.034), (0.19, 0.16, 1.35, 0.012), (0.35, 0.21, 0.42, 0.05),

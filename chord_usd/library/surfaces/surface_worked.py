@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from chord_usd.library.surfaces.surface_pattern import Pattern, centred, even
-from chord_usd.library.textures.ground import Ground, blurred, grains, noise, smoothstep
+from chord_usd.library.textures.fields import Ground, blurred, grains, noise, smoothstep
 
 
 def polished(rng: np.random.Generator, ground: Ground) -> Pattern:
