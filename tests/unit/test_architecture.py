@@ -22,7 +22,7 @@ CODE = sorted(
 )
 
 WINGS: dict[str, tuple[str, ...]] = {
-    "base": ("errors", "runtime", "scene", "raster", "metrics"),
+    "base": ("errors", "runtime", "scene", "raster", "metrics", "places"),
     "library": ("library",),
     "line": (
         *("plan", "planning", "lists", "layout", "graph", "compose", "arrange", "dressing"),
@@ -46,7 +46,7 @@ BASE = WINGS["base"]
 """Parts that everything may import; each of them, those before it."""
 
 STEPS = tuple(part for part in WINGS["line"] if part != "pipeline")
-WORKSHOP = (*WINGS["workshop"], "library", "metrics")
+WORKSHOP = (*WINGS["workshop"], "library", "metrics", "places")
 LINE = ("cli", "api", "standby", "commands", "pipeline", "pipeline.planner")
 
 ALLOWED: dict[str, set[str]] = {

@@ -41,7 +41,8 @@ WINDOW_CLEARANCE_M = 0.5
 TOUCH_M = 0.01
 """Clearances are smaller by this on every side: standing flush beside a door is fine."""
 
-_BEFORE_WINDOWS = (Mount.WINDOW, Mount.BOARD, Mount.PIECE)
+BEFORE_WINDOWS = (Mount.WINDOW, Mount.BOARD, Mount.PIECE)
+"""Mounts of dressing that may be before a window."""
 
 PROBE_M = 0.1
 """How far beyond the wall's face one looks for the room on that side."""
@@ -223,7 +224,7 @@ def is_high_enough(item: Item, opening: Opening) -> bool:
     row = CATEGORIES.get(item.category)
     if row is None or row.level is not Level.DRESSING or opening.kind != "window":
         return True
-    return row.mount not in _BEFORE_WINDOWS
+    return row.mount not in BEFORE_WINDOWS
 
 
 def blocked_openings(graph: SceneGraph) -> list[Blocked]:

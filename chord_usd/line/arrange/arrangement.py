@@ -9,9 +9,8 @@ from functools import cached_property
 from shapely import Polygon
 
 from chord_usd.base.metrics.clear_floor import ClearFloor, ClearFloors, clearances
-from chord_usd.base.metrics.free_places import free_places
+from chord_usd.base.places.free_places import FreePlaces, free_places
 from chord_usd.base.scene.geometry import room_polygon
-from chord_usd.base.scene.places import FreePlaces
 from chord_usd.base.scene.types import Item, LayoutImage, Opening, Room, SceneGraph
 from chord_usd.line.arrange.free_floor import Painted
 from chord_usd.line.graph.colours import read_pixels

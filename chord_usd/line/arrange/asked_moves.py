@@ -12,6 +12,7 @@ import shapely
 
 from chord_usd.base.metrics.complete import TABLES, WALLED, table_of
 from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
+from chord_usd.base.places.tries import around
 from chord_usd.base.scene.geometry import (
     footprint,
     footprint_polygon,
@@ -52,6 +53,9 @@ _BELONGS: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 _BELONGS_M = 0.35
 """What belongs to a piece, and stands no farther from it."""
+
+_GRID_M = 0.1
+"""Between places that a turned piece is tried at."""
 
 _SHIFT_M = 0.8
 """A piece that is turned by an angle goes no farther than this to have place."""
@@ -268,22 +272,12 @@ def _turn_to(
     blocked = floor.in_the_way(turned)
     if len(group) > 1:
         raise refused(intent, "its chairs would be in the way", "a table without chairs")
-    boxes = [turned.box, *_around(turned.box, most_m)] if blocked else [turned.box]
-    boxes.sort(key=lambda box: math.dist(box.center_m[:2], item.box.center_m[:2]))
+    boxes = around(turned.box, _GRID_M, most_m) if blocked else [turned.box]
     free = (one for one in floor.free(turned, boxes) if target is None or _sees(one, target))
     found = next((one for one in islice(free, TRIED) if not shuts_in(work, one)), None)
     if found is None:
         raise refused(intent, f"{blocked or 'who shall pass'} would be in the way")
     work.move(item, found.box)
-
-
-def _around(box: Box, most_m: float) -> Iterator[Box]:
-    reach = np.arange(-most_m, most_m + 0.01, 0.1)
-    x, y, z = box.center_m
-    for across in reach:
-        for along in reach:
-            if math.hypot(across, along) <= most_m:
-                yield replace(box, center_m=(float(x + across), float(y + along), z))
 
 
 def swap(work: Work, intent: Intent) -> None:

@@ -16,8 +16,8 @@ import numpy as np
 import shapely
 
 from chord_usd.base.metrics.overlap import overlaps_by_nature
+from chord_usd.base.places.free_places import places_near
 from chord_usd.base.scene.geometry import footprint
-from chord_usd.base.scene.places import places_near
 from chord_usd.base.scene.types import Box, FloatArray, Item, SceneGraph
 from chord_usd.line.arrange.arrangement import Arrangement
 

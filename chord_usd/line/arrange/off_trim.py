@@ -13,9 +13,9 @@ import numpy as np
 import shapely
 
 from chord_usd.base.metrics.clear_floor import sides_of
+from chord_usd.base.places.free_places import FreePlaces
 from chord_usd.base.scene.geometry import footprint_polygon, front_direction, to_own
 from chord_usd.base.scene.palette import Mount, category
-from chord_usd.base.scene.places import FreePlaces
 from chord_usd.base.scene.trim import boards, casings
 from chord_usd.base.scene.types import Box, FloatArray, Item, SceneGraph
 from chord_usd.base.scene.units import rotation_2d

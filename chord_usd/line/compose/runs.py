@@ -130,7 +130,7 @@ class _Stretch:
     def run(self, depth: float) -> Run:
         """Over all of it."""
         at_low: End = "wall" if self.low < _AT_CORNER_M else "free"
-        at_high: End = "wall" if self.high > self.wall.length - _AT_CORNER_M else "free"
+        at_high: End = "wall" if self.high > self.wall.length_m - _AT_CORNER_M else "free"
         return _run(self.wall, (self.low, self.high), depth, (at_low, at_high))
 
 
@@ -160,7 +160,7 @@ def _cut(run: Run) -> Iterator[Run]:
 
 def _faces(one: _Stretch, other: _Stretch, depth: float) -> bool:
     """Whether two walls look at each other, with an aisle between their runs."""
-    apart = one.wall.local(other.wall.start)[1]
+    apart = one.wall.local(other.wall.start_m)[1]
     if one.wall.along @ other.wall.along > -1 + _SQUARE:
         return False
     ends = one.wall.local(np.array([other.wall.at(other.low, 0.0), other.wall.at(other.high, 0.0)]))
@@ -172,9 +172,9 @@ def _faces(one: _Stretch, other: _Stretch, depth: float) -> bool:
 def _meets(one: _Stretch, other: _Stretch) -> bool:
     """Whether a stretch ends in the square inner corner where another one begins."""
     return bool(
-        np.hypot(*(one.wall.at(one.wall.length, 0.0) - other.wall.start)) < _AT_CORNER_M
+        np.hypot(*(one.wall.at(one.wall.length_m, 0.0) - other.wall.start_m)) < _AT_CORNER_M
         and one.wall.inward @ other.wall.along > 1 - _SQUARE**2
-        and one.high > one.wall.length - _AT_CORNER_M
+        and one.high > one.wall.length_m - _AT_CORNER_M
         and other.low < _AT_CORNER_M
     )
 
@@ -227,6 +227,6 @@ def seen(site: Site, shape: Shape) -> Shape:
 
 def _clear(site: Site, run: Run, others: Sequence[Run]) -> FloatArray:
     s = run.low + (np.arange(run.cells) + 0.5) * CELL_M
-    points = run.wall.start + s[:, None] * run.wall.along + run.depth * run.wall.inward
+    points = run.wall.start_m + s[:, None] * run.wall.along + run.depth * run.wall.inward
     sides = [np.stack([c, np.roll(c, -1, axis=0)], axis=1) for c in (o.corners for o in others)]
     return site.clear_m(points, run.wall.inward, np.concatenate([np.zeros((0, 2, 2)), *sides]))

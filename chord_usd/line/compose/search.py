@@ -202,7 +202,7 @@ def _rows(
             continue
         s = run.low + first * CELL_M
         middle = s + cells * CELL_M / 2
-        front = run.wall.start + middle[:, None] * run.wall.along + run.depth * run.wall.inward
+        front = run.wall.start_m + middle[:, None] * run.wall.along + run.depth * run.wall.inward
         clear = np.lib.stride_tricks.sliding_window_view(run.clear[1:-1], cells - 2)[first].min(1)
         gaps = first - low, run.cells - high - cells - first
         cost = _place_cost(site, run, s, cells, is_sink)

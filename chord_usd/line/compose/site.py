@@ -17,6 +17,7 @@ import shapely
 
 from chord_usd.base.metrics.clear_floor import clearances, is_open_border, open_borders
 from chord_usd.base.metrics.fronts import FRONT, USED_SIDES, floor_before
+from chord_usd.base.places.wall_frames import WallFrame
 from chord_usd.base.scene.geometry import footprint, footprint_polygon, gaps, room_polygon
 from chord_usd.base.scene.trim import DRIP_M, boards, casings
 from chord_usd.base.scene.types import (
@@ -48,15 +49,10 @@ _OUT = -1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Wall:
-    """One side of a room."""
+class Wall(WallFrame):
+    """One side of a room; s is its u, t its v."""
 
     index: int
-    start: FloatArray
-    """(2,) world metres, as along and inward."""
-    along: FloatArray
-    inward: FloatArray
-    length: float
     blocks: FloatArray
     """(K, 5) s from and to, t from and to, sill: what is higher than the sill stands elsewhere."""
     edges: FloatArray
@@ -65,21 +61,11 @@ class Wall:
     """Along this wall."""
     doors: tuple[Span, ...] = ()
 
-    def at(self, s: float, t: float) -> FloatArray:
-        """(2,) in the world."""
-        point: FloatArray = self.start + s * self.along + t * self.inward
-        return point
-
     def rectangle(self, s_from: float, s_to: float, t_from: float, t_to: float) -> FloatArray:
         """(4, 2) corners in the world."""
         return np.array([self.at(s, t) for s, t in (
             (s_from, t_from), (s_to, t_from), (s_to, t_to), (s_from, t_to)
         )])  # fmt: skip
-
-    def local(self, points_m: FloatArray) -> FloatArray:
-        """(..., 2) world points as (s, t)."""
-        ahead = points_m - self.start
-        return np.stack([ahead @ self.along, ahead @ self.inward], axis=-1)
 
     def spans(self, depth: float, height: float, least: float) -> list[Span]:
         """Where something so deep and high may stand with its back to the wall."""
@@ -88,7 +74,7 @@ class Wall:
         taken = (t_from < high) & (t_to > low) & (sill < height)
         cuts = [*zip(s_from[taken].tolist(), s_to[taken].tolist(), strict=True)]
         cuts += self._cut_by_edges(low, high)
-        return [(a, b) for a, b in gaps(cuts, self.length) if b - a >= least - TOUCH_M]
+        return [(a, b) for a, b in gaps(cuts, self.length_m) if b - a >= least - TOUCH_M]
 
     def _cut_by_edges(self, low: float, high: float) -> list[Span]:
         """What the room's other sides take of the strip between two distances from the wall."""
@@ -208,34 +194,27 @@ def _wall(
     standing: Sequence[FloatArray],
     trim: Sequence[tuple[Box, float]],
 ) -> Wall:
-    start, end = corners[index], corners[(index + 1) % len(corners)]
-    length = math.dist(start, end)
-    along = (end - start) / length
-    inward = np.array([-along[1], along[0]])
+    side = WallFrame.between(corners[index], corners[(index + 1) % len(corners)])
     others = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-    bare = Wall(index, start, along, inward, length, np.zeros((0, 5)), np.zeros((0, 4)))
-    edges = bare.local(np.delete(others, index, axis=0)).reshape(-1, 4)
+    edges = side.local(np.delete(others, index, axis=0)).reshape(-1, 4)
     blocks = []
     for opening, shape in clear:
         sill = opening.box.center_m[2] - DRIP_M[1] if opening.kind == "window" else _OUT
-        blocks.append([*_extent(bare, shapely.get_coordinates(shape)), sill])
-    blocks += [[*_extent(bare, footprint(one), _TRIM_GAP_M), low] for one, low in trim]
-    blocks += [[*_extent(bare, shape), _OUT] for shape in standing]
+        blocks.append([*side.extent(shapely.get_coordinates(shape)), sill])
+    for one, low in trim:
+        s_from, s_to, t_from, t_to = side.extent(footprint(one))
+        gap = _TRIM_GAP_M
+        blocks.append([s_from - gap, s_to + gap, t_from - gap, t_to + gap, low])
+    blocks += [[*side.extent(shape), _OUT] for shape in standing]
     # No wall is behind what would stand at an open border.
-    blocks += [[low, high, 0.0, 0.1, _OUT] for low, high in _along(bare, borders)]
+    blocks += [[low, high, 0.0, 0.1, _OUT] for low, high in _along(side, borders)]
     windows = [footprint(one.box) for one in openings if one.kind == "window"]
     doors = [footprint(one.box) for one in openings if one.kind != "window"]
     return Wall(
-        index, start, along, inward, length, np.array(blocks).reshape(-1, 5), edges,
-        tuple(_along(bare, windows)), tuple(_along(bare, doors)),
+        side.start_m, side.along, side.inward, side.length_m, index,
+        np.array(blocks).reshape(-1, 5), edges,
+        tuple(_along(side, windows)), tuple(_along(side, doors)),
     )  # fmt: skip
-
-
-def _extent(wall: Wall, points_m: FloatArray, beside: float = 0.0) -> list[float]:
-    """s from and to, t from and to. beside: how much more on all sides."""
-    own = wall.local(points_m)
-    low, high = own.min(axis=0) - beside, own.max(axis=0) + beside
-    return [float(low[0]), float(high[0]), float(low[1]), float(high[1])]
 
 
 def _trim_of(openings: Iterable[Opening], room: Room) -> list[tuple[Box, float]]:
@@ -244,13 +223,13 @@ def _trim_of(openings: Iterable[Opening], room: Room) -> list[tuple[Box, float]]
     return found + [(one, one.center_m[2]) for each in openings for one in boards(each, room)]
 
 
-def _along(wall: Wall, shapes: Iterable[FloatArray]) -> Iterator[Span]:
+def _along(wall: WallFrame, shapes: Iterable[FloatArray]) -> Iterator[Span]:
     """The stretches of a wall that openings lie in."""
     for shape in shapes:
-        low, high, near, far = _extent(wall, shape)
+        low, high, near, far = wall.extent(shape)
         is_in_wall = abs((near + far) / 2) < _AT_WALL_M and far - near < 2 * _AT_WALL_M
-        if is_in_wall and high > 0.0 and low < wall.length:
-            yield max(low, 0.0), min(high, wall.length)
+        if is_in_wall and high > 0.0 and low < wall.length_m:
+            yield max(low, 0.0), min(high, wall.length_m)
 
 
 def _edges(

@@ -15,6 +15,15 @@ from chord_usd.base.metrics.clear_floor import clearances
 from chord_usd.base.metrics.footprints import is_underfoot
 from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.base.metrics.walk import entrance, free_floor
+from chord_usd.base.places.free_ways import Borders, Walkways
+from chord_usd.base.places.room_space import (
+    take_clearances,
+    take_fronts,
+    take_pieces,
+    take_walls,
+)
+from chord_usd.base.places.taken_space import TakenSpace, as_underfoot
+from chord_usd.base.places.wall_frames import faces_of
 from chord_usd.base.scene.geometry import Floors, footprint_polygon, room_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.stair_cells import is_cell
@@ -32,20 +41,9 @@ from chord_usd.line.dressing.dress_kitchens import dress_kitchen
 from chord_usd.line.dressing.dress_pieces import dress_pieces
 from chord_usd.line.dressing.dress_walls import dress_fittings
 from chord_usd.line.dressing.dress_windows import dress_windows
-from chord_usd.line.dressing.free_ways import Borders, Walkways
-from chord_usd.line.dressing.room_frame import (
-    ReliefsOf,
-    RoomFrame,
-    named,
-    take_clearances,
-    take_fronts,
-    take_pieces,
-    take_walls,
-)
+from chord_usd.line.dressing.room_frame import ReliefsOf, RoomFrame, named
 from chord_usd.line.dressing.stock import Stock
-from chord_usd.line.dressing.taken_space import TakenSpace, as_underfoot
 from chord_usd.line.dressing.tastes import taste_of
-from chord_usd.line.dressing.wall_faces import faces_of
 
 
 def dress(

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from chord_usd.base.metrics.walk import PASSED_BY_M
+from chord_usd.base.places.wall_frames import WallFace
 from chord_usd.base.scene.types import Asset, Box, Item
 from chord_usd.line.dressing.dress_bathrooms import back_face
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
-from chord_usd.line.dressing.wall_faces import WallFace
 
 EYE_M = 1.53
 """Height of the middle of what one looks at."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from chord_usd.base.places.wall_frames import WallFace
 from chord_usd.base.scene.geometry import in_world, to_own, to_world
 from chord_usd.base.scene.types import Asset, Box, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
-from chord_usd.line.dressing.wall_faces import WallFace
 
 _MIRROR_BASE_M, _MIRROR_TOP_M = 1.02, 2.1
 _OVER_TAP_M = 0.08
@@ -109,7 +109,7 @@ def _paper(frame: RoomFrame, toilet: Item) -> None:
     front = np.array([to_world(toilet.box, (0.0, -0.35 * depth))])
     for asset in holders:
         for face in frame.faces:
-            u, v = face.own(front)[0]
+            u, v = face.local(front)[0]
             turned = abs((toilet.box.yaw_deg - face.yaw_deg + 180.0) % 360.0 - 180.0)
             if not 60.0 < turned < 120.0 or v > length / 2 + _NEAR_TOILET_M:
                 continue

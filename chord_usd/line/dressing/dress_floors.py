@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from chord_usd.base.places.taken_space import as_underfoot
+from chord_usd.base.places.wall_frames import Hole, WallFace
 from chord_usd.base.scene.geometry import footprint_polygon, to_own, to_world
 from chord_usd.base.scene.palette import Mount, category, having
 from chord_usd.base.scene.types import Asset, Box, FloatArray, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
-from chord_usd.line.dressing.taken_space import as_underfoot
-from chord_usd.line.dressing.wall_faces import Hole, WallFace
 
 _FROM_WALL_M = 0.06
 _RUG_FROM_WALL_M = 0.04
@@ -333,13 +333,13 @@ def _corners(frame: RoomFrame, size_m: tuple[float, float, float]) -> list[Box]:
     for face in frame.faces:
         for other in frame.faces:
             # Where a wall begins at its left, another ends at its right.
-            right_end = other.left_m + other.along * other.length_m
-            meets = other is not face and math.dist(right_end, face.left_m) < _MEETS_M
+            right_end = other.start_m + other.along * other.length_m
+            meets = other is not face and math.dist(right_end, face.start_m) < _MEETS_M
             is_square = abs(float(face.inward @ other.inward)) < 0.1
             if (
                 meets
                 and is_square
-                and _is_floor(frame, face.left_m + 0.05 * (face.inward + other.inward))
+                and _is_floor(frame, face.start_m + 0.05 * (face.inward + other.inward))
             ):
                 u = _FROM_WALL_M + size_m[0] / 2
                 found.append(face.box(u, 0.0, size_m, _FROM_WALL_M))

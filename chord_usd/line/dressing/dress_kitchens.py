@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import product
 
+from chord_usd.base.places.wall_frames import WallFace
 from chord_usd.base.raster.relief import Relief
 from chord_usd.base.scene.geometry import in_world
 from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import family_of, nearest_length, stretched
-from chord_usd.line.dressing.wall_faces import WallFace
 
 _CABINET_BASE_M = 1.44
 _CABINET_M = 0.7

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from chord_usd.base.places.wall_frames import Hole, WallFace
 from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.types import Asset, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import nearest_length, within
-from chord_usd.line.dressing.wall_faces import Hole, WallFace
 
 _RADIATOR_BASE_M = 0.12
 _UNDER_SILL_M = 0.1
@@ -74,7 +74,7 @@ def _switch(frame: RoomFrame) -> None:
 def _beside(face: WallFace, hole: Hole) -> tuple[float, float]:
     """Beside the handle, then beside the hinge: leaves hang at the left of their door."""
     right_end = to_world(hole.opening.box, (hole.opening.box.size_m[0] / 2, 0.0))
-    handle_right = float(face.own(np.array([right_end]))[0, 0]) > hole.middle_m
+    handle_right = float(face.local(np.array([right_end]))[0, 0]) > hole.middle_m
     left, right = hole.left_m - _BESIDE_DOOR_M, hole.right_m + _BESIDE_DOOR_M
     return (right, left) if handle_right else (left, right)
 

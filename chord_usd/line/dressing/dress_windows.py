@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from chord_usd.base.places.taken_space import TakenSpace
+from chord_usd.base.places.wall_frames import Hole, WallFace
 from chord_usd.base.scene.trim import BOARD_FROM_M, BOARD_M, HANDLE_M, boards
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import nearest_length, stretched, within
-from chord_usd.line.dressing.taken_space import TakenSpace
-from chord_usd.line.dressing.wall_faces import Hole, WallFace
 
 CURTAINED = ("living", "dining", "bedroom", "study", "unknown")
 """Kinds of rooms with curtains, in a house that has curtains."""

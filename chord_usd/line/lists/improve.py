@@ -15,6 +15,7 @@ from chord_usd.base.metrics.design.price import quick_price, tight
 from chord_usd.base.metrics.design.shell import Hole
 from chord_usd.base.metrics.design.view import View, sleepers_of
 from chord_usd.base.metrics.rooms import stands_in
+from chord_usd.base.places.wall_frames import Size, WallFrame
 from chord_usd.base.scene.geometry import front_direction, to_world
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, Item
@@ -37,7 +38,6 @@ WALL_STEP_M = 0.3
 _LEAST_GAIN = 1e-6
 
 Change = tuple[Item, ...]
-Size = tuple[float, float, float]
 
 
 def improved(view: View, home: Callable[[View], float], entrance: str) -> View:
@@ -68,16 +68,8 @@ def improved(view: View, home: Callable[[View], float], entrance: str) -> View:
 
 def _at_walls(view: View, size: Size) -> Iterator[Box]:
     """A piece of this size with its back to each wall, every WALL_STEP_M."""
-    length, depth, _ = size
     for start, end in view.shell.walls:
-        long = float(np.hypot(*(end - start)))
-        along = (end - start) / max(long, 1e-6)
-        inward = np.array([-along[1], along[0]])
-        yaw = round(wrap_deg(float(np.degrees(np.arctan2(inward[0], -inward[1])))), 6)
-        steps = max(1, int((long - length) / WALL_STEP_M + 1e-6) + 1)
-        for s in np.linspace(length / 2, long - length / 2, steps if long >= length else 0):
-            x, y = start + along * s + inward * depth / 2
-            yield Box((float(x), float(y), 0.0), size, yaw)
+        yield from WallFrame.between(start, end).boxes(size, WALL_STEP_M)
 
 
 def _shoes(view: View, door: Hole) -> Iterator[Change]:

@@ -1,18 +1,20 @@
 """Places near a piece of furniture that it could move to, and whether they are free.
 
-Seen from above; who asks says what counts as taken. Metres.
+Seen from above; the caller passes what counts as taken. Metres.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy.typing as npt
 import shapely
 
+from chord_usd.base.metrics.clear_floor import ClearFloor, is_high_enough
+from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2, overlaps_by_nature
 from chord_usd.base.scene.geometry import footprint_polygon, to_world
-from chord_usd.base.scene.types import Box, FloatArray
+from chord_usd.base.scene.types import Box, FloatArray, Item
 
 _IN_ROOM_M = 1e-3
 """A piece flush with a wall is in its room, whatever was rounded."""
@@ -64,3 +66,27 @@ class FreePlaces:
         if self._floor is not None and not self._floor.covers(shape):
             return False
         return bool(self._taken.intersection(shape).area <= self._touch_m2)
+
+
+def free_places(
+    item: Item,
+    floor: shapely.Polygon | None,
+    items: Iterable[Item],
+    clear: Iterable[ClearFloor],
+    *,
+    anew: bool = False,
+) -> FreePlaces:
+    """Places in an item's room where it is in no other item and before no opening.
+
+    floor: of its room, None where it is in none. items: all of the house; those that overlap it by
+    nature are not in its way. It comes no farther before openings that it stands before; anew: it
+    comes before none.
+    """
+    others = [
+        footprint_polygon(other.box)
+        for other in items
+        if other.id != item.id and not overlaps_by_nature(item, other)
+    ]
+    kept_free = [ground for opening, ground in clear if is_high_enough(item, opening)]
+    here = None if anew else item.box
+    return FreePlaces(here, floor, [*others, *kept_free], touch_m2=MIN_OVERLAP_M2)

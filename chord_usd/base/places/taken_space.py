@@ -76,12 +76,18 @@ class TakenSpace:
         return self._arrays
 
     def hits(self, box: Box, ignoring: Collection[str] = (), but: Collection[str] = ()) -> bool:
-        """Whether a box shares more than a touch with one that is taken.
+        """Whether a box shares more than a touch with one that is taken; arguments as of hit."""
+        return self.hit(box, ignoring, but) is not None
+
+    def hit(
+        self, box: Box, ignoring: Collection[str] = (), but: Collection[str] = ()
+    ) -> tuple[Reason, str] | None:
+        """Reason and owner of the first box that shares more than a touch with this one.
 
         ignoring: reasons that do not count. but: owners whose boxes do not count.
         """
         if not self._bounds:
-            return False
+            return None
         corners, bounds = footprint(box), self.bounds_m
         (x0, y0), (x1, y1) = corners.min(axis=0) + TOUCH_M, corners.max(axis=0) - TOUCH_M
         base_m = box.center_m[2]
@@ -90,12 +96,13 @@ class TakenSpace:
         meets &= bounds[:, 2] < base_m + box.size_m[2] - TOUCH_M
         meets &= bounds[:, 5] > base_m + TOUCH_M
         upright = _is_upright(box)
-        return any(
-            self._reasons[index] not in ignoring
-            and self._owners[index] not in but
-            and ((upright and self._upright[index]) or _overlap(corners, self._corners[index]))
-            for index in np.flatnonzero(meets)
-        )
+        for index in np.flatnonzero(meets):
+            reason, owner = self._reasons[index], self._owners[index]
+            if reason in ignoring or owner in but:
+                continue
+            if (upright and self._upright[index]) or _overlap(corners, self._corners[index]):
+                return reason, owner
+        return None
 
 
 def _is_upright(box: Box) -> bool:

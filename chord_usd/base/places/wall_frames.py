@@ -1,25 +1,94 @@
-"""The walls of a room as one sees them from within, and where its openings are in them."""
+"""Sides of rooms as frames: places and free spans along them, and openings in them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 from shapely.geometry import LineString
 
+from chord_usd.base.places.taken_space import TakenSpace
 from chord_usd.base.scene.geometry import Floors, footprint, gaps, room_sides
 from chord_usd.base.scene.types import WALL_THICKNESS_M, Box, FloatArray, Opening, Room
-from chord_usd.line.dressing.taken_space import TakenSpace
+from chord_usd.base.scene.units import wrap_deg
 
 BEHIND_M = 0.001
 """Between a wall and the back of what hangs on it."""
 
+Size = tuple[float, float, float]
+
 _LEAST_SIDE_M = 0.05
 _TOUCHING_M = 0.02
 """Between rooms that are no farther apart there is no wall."""
+
+
+@dataclass(frozen=True, eq=False)
+class WallFrame:
+    """A straight side of a room: u runs along it, v from it into the room."""
+
+    start_m: FloatArray
+    """(2,) its end with u = 0."""
+    along: FloatArray
+    """(2,) unit vector of u."""
+    inward: FloatArray
+    """(2,) unit vector of v."""
+    length_m: float
+
+    @classmethod
+    def between(cls, start: FloatArray, end: FloatArray) -> WallFrame:
+        """The frame of a side, (2,) each end, of a room whose corners run counter-clockwise."""
+        length = math.dist(start, end)
+        along = (end - start) / max(length, 1e-6)
+        return cls(start, along, np.array([-along[1], along[0]]), length)
+
+    @property
+    def yaw_deg(self) -> float:
+        """Of a piece with its back on the wall."""
+        return round(wrap_deg(float(np.degrees(np.arctan2(self.inward[0], -self.inward[1])))), 6)
+
+    def at(self, u: float, v: float) -> FloatArray:
+        """(2,) a point of the frame in the world."""
+        point: FloatArray = self.start_m + u * self.along + v * self.inward
+        return point
+
+    def local(self, points_m: FloatArray) -> FloatArray:
+        """(..., 2) points of the world as u and v."""
+        local: FloatArray = (points_m - self.start_m) @ np.stack([self.along, self.inward], axis=1)
+        return local
+
+    def extent(self, points_m: FloatArray) -> tuple[float, float, float, float]:
+        """Lowest and highest u, lowest and highest v of points (N, 2)."""
+        local = self.local(points_m)
+        (u0, v0), (u1, v1) = local.min(axis=0), local.max(axis=0)
+        return float(u0), float(u1), float(v0), float(v1)
+
+    def box(self, middle_m: float, base_m: float, size_m: Size, v_m: float = BEHIND_M) -> Box:
+        """A box with its back v_m from the wall, its middle so far along."""
+        x, y = self.at(middle_m, v_m + size_m[1] / 2)
+        return Box((float(x), float(y), base_m), size_m, self.yaw_deg)
+
+    def boxes(
+        self, size_m: Size, step_m: float, base_m: float = 0.0, gap_m: float = 0.0
+    ) -> Iterator[Box]:
+        """Boxes along the wall from end to end, no closer than step_m. gap_m: left behind a box
+        and beside the outermost."""
+        free_m = self.length_m - size_m[0] - 2 * gap_m
+        if free_m < 0.0:
+            return
+        count = max(1, int(free_m / step_m + 1e-6) + 1)
+        first = gap_m + size_m[0] / 2
+        for middle_m in np.linspace(first, first + free_m, count).tolist():
+            yield self.box(middle_m, base_m, size_m, gap_m)
+
+
+def wall_frames(room: Room, least_m: float = 0.05) -> Iterator[WallFrame]:
+    """The sides of a room that are longer than least_m, in its order."""
+    for start, end in room_sides(room):
+        if math.dist(start, end) > least_m:
+            yield WallFrame.between(start, end)
 
 
 @dataclass(frozen=True)
@@ -44,44 +113,18 @@ class Hole:
 
 
 @dataclass(frozen=True, eq=False)
-class WallFace:
-    """One side of a room, seen from within: u runs to the right, v into the room."""
+class WallFace(WallFrame):
+    """A side of a room with its openings; u runs to the right as one sees it from within."""
 
-    left_m: FloatArray
-    """(2,) its left end."""
-    along: FloatArray
-    """(2,) unit vector to the right."""
-    inward: FloatArray
-    """(2,) unit vector into the room."""
-    length_m: float
-    yaw_deg: float
-    """Of what has its back on it."""
-    is_outer: bool
+    is_outer: bool = False
     """Whether no room lies behind any part of it."""
     gaps_m: tuple[tuple[float, float], ...] = ()
     """From where to where another room touches, with no wall between."""
     holes: tuple[Hole, ...] = ()
 
-    def box(
-        self,
-        middle_m: float,
-        base_m: float,
-        size_m: tuple[float, float, float],
-        v_m: float = BEHIND_M,
-    ) -> Box:
-        """A box with its back on the wall, its middle so far along; v_m: from the wall."""
-        x, y = self.left_m + self.along * middle_m + self.inward * (v_m + size_m[1] / 2)
-        return Box((float(x), float(y), base_m), size_m, self.yaw_deg)
-
-    def own(self, points_m: FloatArray) -> FloatArray:
-        """(..., 2) points of the world as u and v."""
-        return (points_m - self.left_m) @ np.stack([self.along, self.inward], axis=1)
-
     def span_of(self, box: Box) -> tuple[float, float, float, float]:
         """Lowest and highest u, lowest and highest v of a box."""
-        own = self.own(footprint(box))
-        (u0, v0), (u1, v1) = own.min(axis=0), own.max(axis=0)
-        return float(u0), float(u1), float(v0), float(v1)
+        return self.extent(footprint(box))
 
     def has_back_of(self, box: Box, within_m: float = 0.12) -> bool:
         """Whether a piece stands with its back to this wall, no farther off than within_m."""
@@ -103,7 +146,7 @@ class WallFace:
         corners, bounds = taken.corners_m, taken.bounds_m
         meets = (bounds[:, 2] < top_m - BEHIND_M) & (bounds[:, 5] > base_m + BEHIND_M)
         kept = [i for i in np.flatnonzero(meets) if taken.reasons[i] not in ignoring]
-        own = self.own(corners[kept])
+        own = self.local(corners[kept])
         low, high = own.min(axis=1), own.max(axis=1)
         near = (low[:, 1] < from_v_m + depth_m - BEHIND_M) & (high[:, 1] > from_v_m + BEHIND_M)
         blocked = zip(low[near, 0].tolist(), high[near, 0].tolist(), strict=True)
@@ -138,7 +181,6 @@ def _face(
     # Seen from within, a side that runs counter-clockwise runs to the left.
     along = (start - end) / length
     inward = np.array([along[1], -along[0]])
-    yaw_deg = round(math.degrees(math.atan2(along[1], along[0])), 6)
     line = LineString([end, start])
     behind = line.buffer(1.5 * WALL_THICKNESS_M, cap_style="flat")
     gaps = []
@@ -148,9 +190,9 @@ def _face(
                 u = (shapely.get_coordinates(part) - end) @ along
                 gaps.append((float(u.min()), float(u.max())))
     is_outer = not any(shapely.area(shapely.intersection(behind, other)) > 0.01 for other in beside)
-    face = WallFace(end, along, inward, length, yaw_deg, is_outer, tuple(gaps))
+    face = WallFace(end, along, inward, length, is_outer, tuple(gaps))
     holes = tuple(hole for one in openings if (hole := _hole(face, one)) is not None)
-    return WallFace(end, along, inward, length, yaw_deg, is_outer, tuple(gaps), holes)
+    return replace(face, holes=holes)
 
 
 def _hole(face: WallFace, opening: Opening) -> Hole | None:
