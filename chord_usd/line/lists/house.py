@@ -149,7 +149,7 @@ class _Table:
         asked = self.wishes[at]
         held = [item.category for item in asked.kept]
         names = lacking(room.kind, room_polygon(room).area, held)
-        wanted = []
+        wanted = [Piece("bed")] if self._is_slept_in(at) and "bed" not in held else []
         for essential in ESSENTIALS.get(room.kind, ()):
             known = sorted(essential.categories.difference(asked.excluded) & {*PIECES.categories})
             if essential.name in names and known:
