@@ -100,6 +100,10 @@ def test_a_size_in_two_units_is_one_and_a_lost_mark_does_no_harm() -> None:
     assert estimate.m_per_px == pytest.approx(0.01)
 
 
+def lines_of(found: list[Estimate]) -> list[float]:
+    return [e.m_per_px for e in found if e.witness == "dimension lines"]
+
+
 @pytest.mark.parametrize("extended", [False, True])
 def test_an_arrow_ends_at_its_point(extended: bool) -> None:
     canvas = np.zeros((200, 700), np.uint8)
@@ -110,7 +114,7 @@ def test_an_arrow_ends_at_its_point(extended: bool) -> None:
         if extended:
             cv2.line(canvas, (tip, 70), (tip, 130), (255,), 1)
     texts = [text_at("2000", 150, 80), text_at("4000", 450, 80)]
-    scales = [e.m_per_px for e in estimates(texts, [], canvas > 0)]
+    scales = lines_of(estimates(texts, [], canvas > 0))
     assert sum(value == pytest.approx(0.01, rel=0.012) for value in scales) == 2
 
 
@@ -129,8 +133,57 @@ def test_a_dimension_line_is_measured_between_its_ticks(turned: bool, broken: bo
     if turned:
         ink = ink.T
         texts = [Text(t.text, t.corners_px[:, ::-1], 1.0) for t in texts]
-    sure = [e.m_per_px for e in estimates(texts, [], ink)]
+    sure = lines_of(estimates(texts, [], ink))
     assert sum(value == pytest.approx(0.01, rel=0.02) for value in sure) == 2
+
+
+def chain(numbers: list[str], m_per_px: float, unit_m: float, upright: bool) -> list[Text]:
+    """Numbers in the middle of what they measure, along or up the sheet; "?" was not read."""
+    texts, end = [], 50.0
+    for said in numbers:
+        length_px = float(said.strip("?")) * unit_m / m_per_px
+        if "?" not in said:
+            texts.append(text_at(said, end + length_px / 2, 100, width=24, height=8))
+        end += length_px
+    if upright:
+        texts = [Text(t.text, t.corners_px[:, ::-1], 1.0) for t in texts]
+    return texts
+
+
+@pytest.mark.parametrize("upright", [False, True])
+@pytest.mark.parametrize(
+    ("numbers", "unit_m"),
+    [
+        (["1540", "440", "980"], 0.001),
+        (["340", "3080", "1960", "120?", "2060", "340", "3860"], 0.001),
+        (["1.80", "4.29", "4.00", "4.00", "5.40"], 1.0),
+    ],
+)
+def test_numbers_in_a_row_say_the_scale_without_any_line(
+    numbers: list[str], unit_m: float, upright: bool
+) -> None:
+    """0 of 30 dimension lines of a real plan were right; its doors are 2.19 times too wide."""
+    texts = chain(numbers, 0.0095, unit_m, upright)
+    scale = choose_scale(estimates(texts, []), doors=0.0095 * 1.5, walls=0.0095 * 1.3)
+    assert scale.m_per_px == pytest.approx(0.0095, rel=0.03)
+    assert scale.witness == "dimension chains"
+
+
+def test_a_size_may_be_that_of_a_rectangle_in_a_room() -> None:
+    """A bedroom with a wardrobe or an alcove is larger than the size that is printed in it."""
+    room = np.array([[0, 0], [500, 0], [500, 100], [400, 100], [400, 300], [0, 300]], float)
+    (estimate,) = estimates([text_at("4.00 x 3.00", 200, 150)], [room])
+    assert estimate.m_per_px == pytest.approx(0.01)
+
+
+def test_the_only_area_of_a_sheet_may_be_that_of_the_home() -> None:
+    rooms = [
+        np.array([[at, 0], [at + x, 0], [at + x, 300], [at, 300]], float)
+        for at, x in ((0, 700), (710, 300))
+    ]
+    found = estimates([text_at("30 m²", 300, 150)], rooms)
+    scale = choose_scale(found, doors=0.0098, walls=0.011, rooms=(0.0102, 0.2))
+    assert scale.m_per_px == pytest.approx(0.01, rel=0.01)
 
 
 def test_a_scale_bar_is_read_in_one_piece_or_in_several() -> None:
@@ -172,6 +225,14 @@ def test_measures_of_which_few_agree_lose_and_say_so() -> None:
     assert scale.witness == "room sizes"
     assert scale.m_per_px == pytest.approx(0.01, rel=0.03)
     assert scale.warnings() == []
+
+
+def test_two_misread_measures_that_agree_lose_to_doors_and_rooms_that_do() -> None:
+    """Two of three "dimension lines" were the numbers of plots: 1.75 times too large."""
+    lines = printed(0.0304, 0.0306, 0.008, witness="dimension lines")
+    scale = choose_scale(lines, doors=0.0163, walls=0.0205, rooms=(0.0169, 0.2))
+    assert scale.m_per_px == pytest.approx(0.017, rel=0.05)
+    assert "dimension lines are not believed" in scale.warnings()[0]
 
 
 def test_the_scale_given_wins_and_the_report_tells_what_the_others_say() -> None:

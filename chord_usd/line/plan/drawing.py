@@ -63,6 +63,9 @@ _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
 
 
+_BESIDE_SHARE = 0.3
+"""Of a plan's longer side: dimensions stand so near to it."""
+
 _SHOWS = "the sheet shows "
 
 _MOST_PLANS = 12
@@ -268,7 +271,7 @@ def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]
 
 def _scale(reading: SeenReading, page: _Page) -> Scale:
     polygons = [outline.polygon_px for outline in reading.outlines]
-    printed = estimates(page.texts, polygons, page.ink)
+    printed = estimates(_beside(page.texts, polygons), polygons, page.ink)
     known, shrink = page.known, page.sheet.shrink
     if known.stated_m_per_px:
         printed.append(Estimate(STATED, known.stated_m_per_px / shrink, "1:n"))
@@ -284,6 +287,18 @@ def _scale(reading: SeenReading, page: _Page) -> Scale:
     usual = scale_by_home(areas) if known.is_open else scale_by_rooms(kinds, areas)
     doors = reading.entrance_m_per_px if known.is_open else reading.doors_m_per_px
     return choose_scale(printed, doors, walls, page.given, usual, paper)
+
+
+def _beside(texts: Sequence[Text], polygons_px: Sequence[FloatArray]) -> list[Text]:
+    """Texts in a plan or near it: what else is printed may be of another drawing."""
+    corners = np.concatenate(polygons_px)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    reach = _BESIDE_SHARE * float((high - low).max())
+    return [
+        text
+        for text in texts
+        if bool(np.all((low - reach < text.center_px) & (text.center_px < high + reach)))
+    ]
 
 
 def _plan(

@@ -14,11 +14,10 @@ import numpy.typing as npt
 from shapely.geometry import Point, Polygon
 
 from chord_usd.base.scene.types import BoolArray, FloatArray
+from chord_usd.line.plan.chains import chain_scales
 from chord_usd.line.plan.measures import M_PER_FOOT, Measure, distinct, parse_measure
+from chord_usd.line.plan.room_sizes import scale_by_sides
 from chord_usd.line.plan.text import Text
-
-_MOST_MISMATCH = math.log(1.12)
-"""Both sides of a room must speak for scales that differ by no more than this."""
 
 _REACH = 2.5
 """A dimension line runs within so many letter heights of its number."""
@@ -35,6 +34,12 @@ _BAR_SLACK = 0.05
 STATED = "stated scale"
 """Witness: a scale such as 1:100, on paper whose size is known."""
 
+CHAINS = "dimension chains"
+"""Witness: lengths printed in a row."""
+
+_HOME_M2 = 25.0
+"""From this area on, one may be printed for a whole home."""
+
 _NAMES = {"size": "room sizes", "area": "room areas", "length": "dimension lines"}
 
 
@@ -43,7 +48,7 @@ class Estimate:
     """One printed measure's word on the scale."""
 
     witness: str
-    """Room sizes, room areas, dimension lines, scale bar or stated scale."""
+    """Room sizes, room areas, dimension lines or chains, scale bar or stated scale."""
     m_per_px: float
     text: str
     """What is printed."""
@@ -60,13 +65,14 @@ def estimates(
     """
     rooms = [Polygon(polygon) for polygon in polygons_px]
     found = [*_from_rooms(texts, rooms), *_from_bar(texts)]
+    found += [Estimate(CHAINS, scale, said) for scale, said in chain_scales(texts)]
     if ink is None:
         return found
     return [*found, *(e for text in texts for e in _from_line(text, ink))]
 
 
 def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Estimate]:
-    printed: dict[int, dict[Measure, str]] = defaultdict(dict)
+    printed: dict[int, dict[Measure, Text]] = defaultdict(dict)
     for text in texts:
         measure = parse_measure(text.text)
         if measure is None or measure.kind == "length":
@@ -76,31 +82,29 @@ def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Est
             # Equal areas of two parts of a room are two.
             while measure in printed[inside]:
                 measure = replace(measure, values=tuple(v * (1 + 1e-9) for v in measure.values))
-            printed[inside][measure] = text.text
+            printed[inside][measure] = text
     for index, said in printed.items():
         kept = distinct(list(said))
         for measure in kept:
-            scale = _from_sides(rooms[index], measure.values) if measure.kind == "size" else None
-            if scale is not None:
-                yield Estimate(_NAMES["size"], scale, said[measure])
+            if measure.kind == "size":
+                scale = scale_by_sides(rooms[index], measure.values, said[measure].center_px)
+                if scale is not None:
+                    yield Estimate(_NAMES["size"], scale, said[measure].text)
         # An open plan may name the area of each of its parts.
         areas = [measure for measure in kept if measure.kind == "area"]
         if areas:
             total = sum(measure.values[0] for measure in areas)
-            together = " + ".join(said[measure] for measure in areas)
+            together = " + ".join(said[measure].text for measure in areas)
             yield Estimate(_NAMES["area"], math.sqrt(total / rooms[index].area), together)
-
-
-def _from_sides(room: Polygon, sides_m: Sequence[float]) -> float | None:
-    """Metres per pixel, if the room's bounds have the proportions of these sides."""
-    low_x, low_y, high_x, high_y = room.bounds
-    width, height = high_x - low_x, high_y - low_y
-    first, second = sides_m
-    mismatch, scale = min(
-        (abs(math.log(a / width / (b / height))), math.sqrt(a * b / (width * height)))
-        for a, b in ((first, second), (second, first))
-    )
-    return scale if mismatch < _MOST_MISMATCH else None
+    areas = [m for said in printed.values() for m in distinct(list(said)) if m.kind == "area"]
+    if len(areas) == 1 and areas[0].values[0] >= _HOME_M2:
+        # The only area of a sheet may be that of all rooms.
+        total_px = sum(room.area for room in rooms)
+        yield Estimate(
+            _NAMES["area"],
+            math.sqrt(areas[0].values[0] / total_px),
+            f"{areas[0].values[0]:g} m2 in all",
+        )
 
 
 # Dimension lines ---------------------------------------------------------------------------------

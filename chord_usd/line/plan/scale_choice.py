@@ -23,7 +23,7 @@ _SAME = math.log(1.06)
 """Printed measures within this of one another say the same."""
 
 _BELIEVABLE = math.log(1.9)
-"""A lone printed measure farther from what doors and walls say was misread."""
+"""Walls are drawn so much thicker or thinner than usual."""
 
 _ODD = math.log(1.6)
 """Witnesses farther apart than this are worth a warning."""
@@ -31,14 +31,19 @@ _ODD = math.log(1.6)
 _APART = math.log(1.25)
 """Doors and rooms that are blended and differ by more contradict each other."""
 
-LEAST_AGREEMENT = 0.4
-"""Where fewer of a witness's measures say the same they agree by chance, and are not believed."""
+_CHANCE = 2 * _SAME / 4.0
+"""How likely a misread measure says by chance what others do: it may be e times off, or more."""
+_LEAST_NATS = 2.0
+"""By so much measures that say the same must be likelier read than misread."""
+_FEW = 0.5
+_ODD_SHARE, _ODD_SPREAD = 0.15, 0.6
+"""How often doors, rooms or walls are unusual, and how far their logarithms are off, then."""
 
 _TRUST = {
-    "room sizes": 3.0, "dimension lines": 2.0, "scale bar": 4.0, "room areas": 1.5,
-    "stated scale": 4.0,
+    "room sizes": 3.0, "dimension lines": 2.0, "dimension chains": 2.5, "scale bar": 4.0,
+    "room areas": 1.5, "stated scale": 4.0,
 }  # fmt: skip
-"""Areas are rounded, and count wardrobes in one country and not in the other."""
+"""Weights in the mean. Areas are rounded, and count wardrobes in some countries only."""
 
 _CONFIDENCE = {"given": 1.0, "file": 1.0, "paper": 0.7, "doors": 0.6, "rooms": 0.5, "walls": 0.4}
 
@@ -145,12 +150,14 @@ def choose_scale(
     if given:
         return Scale(given, "given", others=others)
     rough = _together(list(unprinted.values()))
-    found = _consensus(printed, rough)
-    if found is not None and found.agreement >= LEAST_AGREEMENT:
+    found, is_believed = _likeliest(printed, list(unprinted.values()))
+    if found is not None and is_believed:
         return replace(found, others=others)
     told = ""
-    if found is not None:
+    if found is not None and found.agreement < _FEW:
         told = f"only {found.agreement:.0%} of the printed {found.witness} agree"
+    elif found is not None:
+        told = f"the printed {found.witness} are not believed"
     on_paper = paper and usual_scale(rough, paper)
     if on_paper:
         return Scale(on_paper, "paper", others=others, disagreement=told)
@@ -172,21 +179,56 @@ def _agreement(told: Sequence[tuple[float, float]], blend: float) -> float:
     return float(weights[np.abs(logs - math.log(blend)) <= _APART].sum() / weights.sum())
 
 
-def _consensus(printed: Sequence[Estimate], rough: float) -> Scale | None:
-    """What most measures say, the best of those that agree well; None for none believable."""
+def _likeliest(
+    printed: Sequence[Estimate], unprinted: Sequence[tuple[float, float]]
+) -> tuple[Scale | None, bool]:
+    """The scale that most likely explains what is printed beside what doors, rooms and walls say,
+    and whether the measures for it are likelier read than misread. None without any measure."""
     if not printed:
-        return None
+        return None, False
     logs = np.log([e.m_per_px for e in printed])
     weights = np.array([_TRUST[e.witness] * (1.0 if e.is_sure else 0.5) for e in printed])
     near = np.abs(logs[:, None] - logs[None, :]) < _SAME
-    # Of clusters that are as heavy, the one nearer to the usual size of doors and walls.
-    off = np.abs(logs - math.log(rough))
-    believable = off < (_BELIEVABLE if len(printed) < 3 else 2 * _BELIEVABLE)
-    heaviness = near @ weights - 0.5 * off
-    order = [int(i) for i in np.argsort(-heaviness, kind="stable") if believable[i]]
-    clusters = [_cluster(printed, near[i], logs, weights) for i in order]
-    agreed = (cluster for cluster in clusters if cluster.agreement >= LEAST_AGREEMENT)
-    return next(agreed, clusters[0] if clusters else None)
+    nats = np.array([_nats_read(printed, own) for own in near])
+    total = nats + [_nats_unprinted(unprinted, log) for log in logs]
+    # Of those as likely, the middle of the measures.
+    best = int(np.lexsort((-(near @ weights), -np.round(total, 6)))[0])
+    aside = max(_nats_unprinted(unprinted, math.log(value)) for value, _ in unprinted)
+    is_believed = bool(nats[best] >= _LEAST_NATS and total[best] >= aside)
+    return _cluster(printed, near[best], logs, weights), is_believed
+
+
+def _nats_read(printed: Sequence[Estimate], own: BoolArray) -> float:
+    """By how much likelier measures that say the same are read than misread: of each witness, k of
+    n agree, which by chance happens with _CHANCE each."""
+    total = 0.0
+    for witness in {e.witness for e in printed}:
+        said = {e.text for e in printed if e.witness == witness}
+        agree = {
+            e.text: e.is_sure
+            for e, is_own in zip(printed, own, strict=True)
+            if is_own and e.witness == witness
+        }
+        if not agree:
+            continue
+        share = len(agree) / len(said)
+        missing = len(said) - len(agree)
+        nats = len(agree) * math.log(share / _CHANCE)
+        nats += missing * math.log(1 - share) if missing else 0.0
+        sure = (1 + sum(agree.values()) / len(agree)) / 2
+        total += sure * max(nats, 0.0)
+    return total
+
+
+def _nats_unprinted(unprinted: Sequence[tuple[float, float]], log: float) -> float:
+    """How likely doors, rooms and walls are at a scale: mostly usual, and now and then unusual."""
+    total = 0.0
+    for value, spread in unprinted:
+        off = math.log(value) - log
+        usual = (1 - _ODD_SHARE) / spread * math.exp(-0.5 * (off / spread) ** 2)
+        odd = _ODD_SHARE / _ODD_SPREAD * math.exp(-0.5 * (off / _ODD_SPREAD) ** 2)
+        total += math.log(usual + odd + 1e-12)
+    return total
 
 
 def _cluster(
