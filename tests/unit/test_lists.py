@@ -319,7 +319,7 @@ def test_people_sleep_in_the_living_room_of_a_studio_only(
     rooms = [Room("living", "living", corners)]
     rooms += [Room(kind, kind, frozen_array(corners * 0.4 + (6.5, 2 * at)))
               for at, kind in enumerate(others)]  # fmt: skip
-    house = furnish_by_lists(Plan(tuple(rooms), ()), lister, Drafts(seed=3, count=2))
+    house = furnish_by_lists(Plan(tuple(rooms), ()), lister, Drafts(seed=3, count=8))
     has_bed = any(item.category == "bed" for item in house.items_of("living"))
     assert has_bed == ("corridor" not in others)
 

@@ -18,6 +18,7 @@ import shapely
 
 from chord_usd.base.metrics.footprints import PolygonArray
 from chord_usd.base.metrics.fronts import shut_fronts
+from chord_usd.base.metrics.rooms import is_studio
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS, unit_gaps
 from chord_usd.base.scene.geometry import (
     footprint,
@@ -178,6 +179,8 @@ def _missing(room: Room, house: _House) -> tuple[str, ...]:
     missing = lacking(room.kind, room_polygon(room).area, own)
     if room.kind == "dining" and not missing and house.diners(room) < DINERS:
         return (TWO_CHAIRS,)
+    if house.is_studio and room.kind == "living" and "bed" not in own:
+        return (*missing, "bed")
     return missing
 
 
@@ -192,6 +195,7 @@ class _House:
 
     def __init__(self, graph: SceneGraph) -> None:
         self.items = graph.items
+        self.is_studio = is_studio([room.kind for room in graph.rooms])
         corners = np.array([footprint(item.box) for item in graph.items]).reshape(-1, 4, 2)
         self.shapes: PolygonArray = np.atleast_1d(shapely.polygons(corners))
         self._index = {id(item): index for index, item in enumerate(graph.items)}

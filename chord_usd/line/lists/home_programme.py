@@ -13,8 +13,6 @@ from chord_usd.base.scene.types import Opening, Room, RoomKind, SceneGraph
 
 DOUBLE_M2 = 9.0
 """A bedroom at least so large is for two."""
-STUDIO_DOUBLE_M2 = 20.0
-"""The same of a room that people live in, too."""
 EATEN_IN: tuple[RoomKind, ...] = ("dining", "living", "kitchen")
 """Kinds of room that a dining table stands in, the likeliest first."""
 WASHED_IN: tuple[RoomKind, ...] = ("balcony", "bathroom", "kitchen")
@@ -37,8 +35,8 @@ def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programm
     sleepers = 0
     in_studio = is_studio([room.kind for room in rooms])
     for room in rooms:
-        if room.kind == "bedroom" or (in_studio and room.kind == "living"):
-            double = areas[room.id] >= (STUDIO_DOUBLE_M2 if in_studio else DOUBLE_M2)
+        if room.kind == "bedroom":
+            double = areas[room.id] >= DOUBLE_M2
             sleepers += 2 if double else 1
             found[room.id] += ["bed", "cabinet", *["bedside_table"] * (2 if double else 1)]
         if room.kind == "store":
@@ -46,7 +44,9 @@ def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programm
         if room.kind == "kitchen":
             found[room.id] += ["sink_cabinet", "cooker_cabinet", "refrigerator"]
     if "living" in largest:
-        found[largest["living"].id] += ["sofa", "tv_cabinet", "coffee_table", "single_sofa"]
+        # Networks have seen no such room: of long programmes they make rows of small pieces.
+        rest = ["bed"] if in_studio else ["tv_cabinet", "single_sofa"]
+        found[largest["living"].id] += ["sofa", "coffee_table", *rest]
     eaten = next((largest[kind] for kind in EATEN_IN if kind in largest
                   and (kind == "dining" or areas[largest[kind].id] >= TABLE_M2)), None)  # fmt: skip
     if eaten is not None:

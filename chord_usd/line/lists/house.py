@@ -109,7 +109,7 @@ class _Table:
     def _is_slept_in(self, at: int) -> bool:
         """Networks have learned beds in bedrooms only: elsewhere the programme has to name them."""
         room, _ = self.jobs[at]
-        return room.kind != "bedroom" and "bed" in self.programme.get(room.id, ())
+        return room.kind == "living" and "bed" in self.programme.get(room.id, ())
 
     def _planned(self, at: int) -> Subject:
         """With what the home needs in a room, unless somebody says what it shall hold."""
