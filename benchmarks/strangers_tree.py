@@ -63,6 +63,9 @@ _WEIGHTS = (("train", 1), ("evaluate", 1), ("batch", 1), ("render", 1), ("assets
             ("generate", 3), ("regenerate", 3))  # fmt: skip
 """Verbs that may take long come up less often; others have 12."""
 
+_GOES_ON = ("output_run", "output_place")
+"""Outputs in which a run that was stopped leaves what the next one goes on from."""
+
 _SHARE_WHOLE = 20
 _SUFFIXES = ("", ".usda", ".usdz", ".json", ".png", ".md", ".glb")
 
@@ -182,7 +185,6 @@ def _asked(
     name: str, was_there: bool, run: watch.Run, base: Path, owned: set[str], targets: list[Target]
 ) -> bool:
     path = base / name
-    # A training that was stopped goes on from what lies in its folder.
     stopped = run.code is None
     if run.code not in (0, 1) and not stopped:
         return False
@@ -191,7 +193,7 @@ def _asked(
     if stopped and not was_there and any(one.path.is_relative_to(path) for one in targets):
         return True  # folders on the way to a target; nobody was left to take them away
     for target in targets:
-        if stopped and target.kind != "output_run":
+        if stopped and target.kind not in _GOES_ON:
             continue
         real = Path(os.path.realpath(target.path))
         home = real.parent if target.is_file else real
