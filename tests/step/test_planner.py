@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import subprocess
 from collections.abc import Callable
 from dataclasses import replace
@@ -100,6 +101,16 @@ def test_a_network_keeps_the_text_model_that_it_was_trained_with(
     assert labels.shape == sheet.rgb.shape[:2]
     with pytest.raises(CheckpointError, match="another text model"):
         model.sample_labels([sheet], condition_words(Wish())[None], seeds=[0], steps=1)
+
+
+def test_floors_go_to_workers_after_texts_were_read_here() -> None:
+    """Those that are held out are drawn first: no session of the encoder can be sent."""
+    config = FloorStreamConfig(text_chance=1.0, silent_chance=0.0)
+    stream = FloorStream(config, [], FLOOR, 1)
+    (here,) = stream.held_out(1)
+    (there,) = pickle.loads(pickle.dumps(stream)).held_out(1)
+    assert here.words is not None
+    assert np.array_equal(here.words, there.words)
 
 
 def test_a_folder_without_a_text_model_is_an_error(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -68,6 +69,10 @@ class FloorStream(BatchStream):
         self._load_encoder = load_encoder
         self._encoder: TextEncoder | None = None
         self._text_channels = network.word_channels - PROGRAMME_CHANNELS
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The stream for another process, which loads the encoder itself: sessions stay."""
+        return {**self.__dict__, "_encoder": None}
 
     def draw(self, rng: np.random.Generator) -> Drawn:
         """One more floor plan, and what is said of it."""
