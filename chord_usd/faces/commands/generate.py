@@ -28,6 +28,12 @@ if TYPE_CHECKING:
     from chord_usd.line.pipeline.whole_house import FurnishedStorey, House
 
 
+_READ = {
+    "right": "probably read right", "wrong": "probably read wrong: plan read --overlay shows it",
+    "look": "read with doubts: plan read --overlay shows them",
+}  # fmt: skip
+
+
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "generate", run, "furnish a floor plan and write it as a USD stage")
@@ -155,6 +161,7 @@ def _summary(
         "seconds": seconds,
         "m_per_px": house.ground.plan_image.frame.m_per_px,
         "scale": house.ground.plan.extra.get("scale"),
+        "verdict": house.verdict,
         "storeys": [_storey(made) for made in storeys],
         "stairs": [
             {"form": climb.built.stair.form, "rise_m": round(climb.built.rise_m, 3),
@@ -203,6 +210,7 @@ def _text(data: dict[str, Any]) -> str:
         f"{data['stage']}: {several}{counted_rooms(data)}{small}{dressed}, "
         f"{counted(data['openings'], 'opening')}, in {sum(data['seconds'].values()):.1f} s"
     ]
+    lines += [f"  the plan is {_READ[data['verdict']]}"] if data["verdict"] in _READ else []
     lines += [
         f"  {storey['name']}: registered to the storey below by its {storey['registered_by']}, "
         f"{storey['on_walls']:.0%} of its outer walls on walls, "

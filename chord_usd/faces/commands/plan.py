@@ -56,6 +56,7 @@ def run_read(options: argparse.Namespace) -> Outcome:
     from chord_usd.base.scene.chord_json import write_plan
     from chord_usd.line.pipeline import read_plan, require
     from chord_usd.line.plan.placement import WARNINGS
+    from chord_usd.line.plan.verdict import SAID
 
     image = existing_file(options.image)
     settings = settings_of(options)
@@ -89,8 +90,10 @@ def run_read(options: argparse.Namespace) -> Outcome:
         **({"drawing": _frame_told(frame)} if frame else {}),
         "warnings": warnings,
     }
+    judged = f"{SAID[data['verdict']]}, " if data["verdict"] in SAID else ""
     return Outcome(
-        f"{data['plan']}: {counted(data['rooms'], 'room')}, {counted(data['doors'], 'door')}, "
+        f"{data['plan']}: {judged}{counted(data['rooms'], 'room')}, "
+        f"{counted(data['doors'], 'door')}, "
         f"{counted(data['windows'], 'window')}, {counted(data['passages'], 'passage')}",
         data,
         warnings=warnings,
@@ -104,14 +107,21 @@ def _frame_told(frame: PixelFrame) -> dict[str, Any]:
 
 
 def reading_report(plan: Plan) -> dict[str, Any]:
-    """For --json: where the scale is from, and how sure the reading is of rooms and openings."""
+    """For --json: the verdict, doubts with their places, where the scale is from, and how sure the
+    reading is of rooms and openings."""
     from chord_usd.line.plan.openings import CONFIDENCE
     from chord_usd.line.plan.scale_choice import SCALE
+    from chord_usd.line.plan.verdict import VERDICT, doubts_placed
 
     extras = [(room.id, room.extra) for room in plan.rooms]
     extras += [(opening.id, opening.extra) for opening in plan.openings]
     sure = {name: extra[CONFIDENCE] for name, extra in extras if CONFIDENCE in extra}
-    return {"scale": plan.extra.get(SCALE), "confidence": sure}
+    return {
+        "verdict": plan.extra.get(VERDICT),
+        "doubts": doubts_placed(plan),
+        "scale": plan.extra.get(SCALE),
+        "confidence": sure,
+    }
 
 
 def run_draw(options: argparse.Namespace) -> Outcome:

@@ -102,6 +102,12 @@ class House:
         return tuple(made.graph for made in self.storeys)
 
     @property
+    def verdict(self) -> str | None:
+        """Of the plan that is most likely read wrong; None where none was read from a drawing."""
+        read = [str(made.plan.extra.get("verdict")) for made in self.storeys]
+        return next((one for one in ("wrong", "look", "right") if one in read), None)
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """Of the stack of storeys and of their plans, each once."""
         read = (w for made in self.storeys for w in made.plan.extra.get("warnings", ()))

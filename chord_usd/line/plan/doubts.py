@@ -30,6 +30,11 @@ from chord_usd.line.plan.parts import built_parts
 from chord_usd.line.plan.regions import Regions
 from chord_usd.line.plan.text import Text
 
+OF_SEVERAL = "what is printed there is of several rooms"
+NO_ROOM = "no room was found where"
+CUT_OFF = "the drawing seems to be cut off"
+"""Parts of doubts by which a verdict knows them."""
+
 _HOUSE_M2 = (4.0, 3000.0)
 _LEAST_COVERED = 0.35
 """Share of what the walls surround that must be rooms; where it is less, walls were missed."""
@@ -83,16 +88,18 @@ def refuse_nonsense(polygons_px: Sequence[FloatArray], regions: Regions, frame: 
 
 def is_all_guessed(plan: Plan) -> bool:
     """Whether no room closes, and nothing on the page is sure: noise, fur, or something else."""
-    return all(_is_shaky(room) and OPEN in room.extra for room in plan.rooms) and all(
-        _is_vague(opening) for opening in plan.openings
+    return all(is_shaky(room) and OPEN in room.extra for room in plan.rooms) and all(
+        is_vague(opening) for opening in plan.openings
     )
 
 
-def _is_shaky(room: Room) -> bool:
+def is_shaky(room: Room) -> bool:
+    """Whether a room's floor or rim is unsure."""
     return bool(room.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN_ROOM)
 
 
-def _is_vague(opening: Opening) -> bool:
+def is_vague(opening: Opening) -> bool:
+    """Whether it is unsure what an opening is."""
     return bool(opening.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN)
 
 
@@ -134,7 +141,7 @@ def doubts(plan: Plan, regions: Regions, named: NamedRooms, frame: PixelFrame) -
     told = [*_doubts_of_rooms(plan, named), *_doubts_of_openings(plan)]
     sides = _cut_sides(regions, [px_from_m(room.polygon_m, frame) for room in plan.rooms])
     if sides:
-        told.append(f"the drawing seems to be cut off at its {' and '.join(sides)} edge")
+        told.append(f"{CUT_OFF} at its {' and '.join(sides)} edge")
     return told
 
 
@@ -142,11 +149,10 @@ def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:
     told = []
     if named.crowded:
         told.append(
-            f"{', '.join(named.crowded)}: what is printed there is of several rooms; an opening "
-            "or a wall may be missing"
+            f"{', '.join(named.crowded)}: {OF_SEVERAL}; an opening or a wall may be missing"
         )
     if named.homeless:
-        told.append(f"no room was found where {', '.join(map(repr, named.homeless))} is printed")
+        told.append(f"{NO_ROOM} {', '.join(map(repr, named.homeless))} is printed")
     if all(room.kind == "unknown" for room in plan.rooms):
         told.append("of no room is it known what it is for")
     ajar = [room.id for room in plan.rooms if OPEN in room.extra]
@@ -157,7 +163,7 @@ def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:
         for room in plan.rooms
         if SURROUNDS in room.extra
     ]
-    shaky = [room.id for room in plan.rooms if _is_shaky(room)]
+    shaky = [room.id for room in plan.rooms if is_shaky(room)]
     if shaky:
         told.append(f"the outlines of {_listed(shaky, 'rooms')} are uncertain")
     return told
@@ -172,13 +178,13 @@ def _listed(ids: Sequence[str], what: str) -> str:
 
 def _doubts_of_openings(plan: Plan) -> list[str]:
     told = []
-    vague = [opening.id for opening in plan.openings if _is_vague(opening)]
+    vague = [opening.id for opening in plan.openings if is_vague(opening)]
     if vague:
         is_one = len(vague) == 1
         told.append(
             f"it is uncertain what {_listed(vague, 'openings')} {'is' if is_one else 'are'}"
         )
-    groups = _reached_together(plan)
+    groups = reached_together(plan)
     if len(groups) > 1:
         apart = [room_id for group in groups[1:] for room_id in group]
         told.append(
@@ -200,7 +206,7 @@ def _in_no_room(plan: Plan, names: Sequence[Text], frame: PixelFrame) -> Iterato
             yield name.text
 
 
-def _reached_together(plan: Plan) -> list[list[str]]:
+def reached_together(plan: Plan) -> list[list[str]]:
     """Ids of rooms that doors and passages join, or that touch, the largest group first."""
     ids = [room.id for room in plan.rooms]
     index_of = {room_id: index for index, room_id in enumerate(ids)}

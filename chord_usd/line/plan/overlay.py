@@ -31,6 +31,7 @@ from chord_usd.line.plan.vector import is_svg, is_vector
 from chord_usd.line.plan.vector.backdrop import backdrop
 from chord_usd.line.plan.vector.pdf import read_pages
 from chord_usd.line.plan.vector.svg_page import read_page
+from chord_usd.line.plan.verdict import SAID, VERDICT
 
 _FADE = 0.6
 """How much the drawing fades towards white below what was read."""
@@ -69,10 +70,14 @@ def overlay(plan: Plan, rgb: ByteArray) -> ByteArray:
 
 
 def doubts_of(plan: Plan) -> list[str]:
-    """The plan's warnings, with rooms as the overlay numbers them: "4 (living1)"."""
+    """The plan's verdict and warnings, with rooms as the overlay numbers them: "4 (living1)"."""
     numbers = {room.id: f"{number} ({room.id})" for number, room in enumerate(plan.rooms, 1)}
     told = map(str, plan.extra.get(WARNINGS, ()))
-    return [re.sub(r"\w+", lambda m: numbers.get(m[0], m[0]), doubt) for doubt in told]
+    doubts = [re.sub(r"\w+", lambda m: numbers.get(m[0], m[0]), doubt) for doubt in told]
+    verdict = plan.extra.get(VERDICT)
+    return (
+        [SAID[verdict], *doubts] if verdict in SAID and (doubts or verdict != "right") else doubts
+    )
 
 
 def with_doubts(picture: ByteArray, doubts: Sequence[str]) -> ByteArray:

@@ -23,6 +23,7 @@ from chord_usd.line.plan.decode import decode_plan
 from chord_usd.line.plan.picture import read_picture
 from chord_usd.line.plan.placement import PAGE, WARNINGS
 from chord_usd.line.plan.vector import is_svg, is_vector
+from chord_usd.line.plan.verdict import judged
 
 if TYPE_CHECKING:
     from chord_usd.line.plan.vector.pdf import PdfPage
@@ -46,7 +47,8 @@ def read_plan_file(
     from what is printed, from doors or from walls. part: which plan of a sheet or which storey, the
     largest being 1. is_open: whether it shows outer walls alone, whose rooms are planned later.
     What is worth knowing, such as that no doors were found, is listed in
-    extra["warnings"]. Raises PlanError.
+    extra["warnings"]; extra["verdict"] says whether what is not CHOrD JSON is probably read right.
+    Raises PlanError.
     """
     refuse_odd_file(path, PlanError)
     plan = _read(path, scale, part, is_open)
@@ -59,7 +61,8 @@ def read_plan_file(
             try_="a smaller --scale, if that is not what it is",
         )
     warnings = _warnings(plan)
-    return replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
+    plan = replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
+    return plan if _is_json(path) else judged(plan)
 
 
 def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan]:

@@ -16,6 +16,9 @@ from chord_usd.line.plan.printed import Estimate
 SCALE = "scale"
 """Key of Plan.extra: what Scale.report says."""
 
+CHECK_SCALE = "check --scale"
+"""Ends warnings about the scale."""
+
 USUAL_DOOR_M = 0.8
 """Between the jambs, inside a home."""
 
@@ -94,13 +97,13 @@ class Scale:
     def warnings(self) -> list[str]:
         """What a user should know of the scale."""
         if self.disagreement:
-            return [f"{self.disagreement}; the scale is taken from {self.witness}: check --scale"]
+            return [f"{self.disagreement}; the scale is taken from {self.witness}: {CHECK_SCALE}"]
         if self.witness == "doors" and "rooms" in self.others:
             apart = abs(math.log(self.others["rooms"] / self.others["doors"]))
             if apart > _APART:
                 return [
                     "the scale lies between what doors and the usual sizes of rooms say, which"
-                    f" differ {math.exp(apart):.2f} times: check --scale"
+                    f" differ {math.exp(apart):.2f} times: {CHECK_SCALE}"
                 ]
         rest = {name: math.log(v / self.m_per_px) for name, v in self.others.items()}
         odd = [
@@ -109,10 +112,11 @@ class Scale:
             if abs(ratio) > self._odd(name)
         ]
         if odd and self.witness not in ("given", "file"):
-            return [f"the scale is taken from {self.witness}, but {', '.join(odd)}: check --scale"]
+            return [f"the scale is taken from {self.witness}, but {', '.join(odd)}: {CHECK_SCALE}"]
         if self.witness in ("rooms", "walls"):
             guess = "the usual sizes of rooms" if self.witness == "rooms" else "the walls"
-            return [f"no printed measure and no door gives the scale; it is a guess from {guess}"]
+            told = "no printed measure and no door gives the scale; it is a guess from"
+            return [f"{told} {guess}: {CHECK_SCALE}"]
         return []
 
 
