@@ -120,7 +120,17 @@ def _run(options: argparse.Namespace) -> Outcome:
     else:
         warnings.simplefilter("ignore")
     with console.reserved(debug=options.debug), held_lines():
-        outcome: Outcome = options.run(options)
+        try:
+            outcome: Outcome = options.run(options)
+        except ChordError:
+            raise
+        except Exception as error:
+            from chord_usd.base.runtime.machine import machine_error
+
+            plain = machine_error(error, str(getattr(options, "output", None) or ""))
+            if plain is None:
+                raise
+            raise plain from error
     return outcome
 
 
@@ -146,8 +156,6 @@ def _sentence(error: Exception) -> str:
     elif isinstance(error, OSError) and error.filename:
         reason = (error.strerror or "cannot be opened").lower()
         sentence = str(ChordError(reason, where=str(error.filename), try_="check the path"))
-    elif isinstance(error, MemoryError):
-        sentence = "out of memory. Try: a machine with more memory, or a smaller job"
     else:
         sentence = (
             f"unexpected {type(error).__name__}: {_short(str(error))}. "

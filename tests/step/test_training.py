@@ -1,5 +1,7 @@
 """The training loop: it learns, it can be interrupted, it comes back where it was."""
 
+import errno
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -100,6 +102,20 @@ def test_a_save_that_was_cut_short_leaves_the_one_before(tmp_path):
     found = training_state.load_state(tmp_path / "state", "cpu")
     assert found is not None
     assert found[1] == {"step": 1}
+
+
+def _no_room(_tensors: object) -> bytes:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_state_that_finds_no_room_leaves_the_one_before(tmp_path, monkeypatch):
+    training_state.save_state(tmp_path / "state", {"w": torch.ones(2)}, {"step": 1})
+    monkeypatch.setattr(training_state, "save", _no_room)
+    with pytest.raises(OSError, match="No space left"):
+        training_state.save_state(tmp_path / "state", {"w": torch.zeros(2)}, {"step": 2})
+    _, counters = training_state.load_state(tmp_path / "state", "cpu")
+    assert counters == {"step": 1}
+    assert [one.name for one in tmp_path.iterdir()] == ["state"]
 
 
 def test_a_damaged_shard_is_named(tmp_path):

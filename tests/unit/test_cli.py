@@ -165,6 +165,25 @@ class TestOutcomes:
         assert run_verb(failing) == cli.UNUSABLE
         assert re.fullmatch(r"error: .+\n", capsys.readouterr().err)
 
+    @pytest.mark.parametrize(
+        ("said", "words"),
+        [
+            ("I/O error: No space left on device (os error 28)", "the disk is full. Try: free"),
+            ("CUDA out of memory. Tried to allocate 2 GiB", "out of memory. Try: "),
+            ("CUDA error: unspecified launch failure\nmore of it", "can no longer be used. Try: "),
+        ],
+    )
+    def test_what_libraries_say_of_the_machine_is_put_plainly(
+        self, run_verb, said: str, words: str, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        def failing() -> Outcome:
+            raise RuntimeError(said)
+
+        assert run_verb(failing) == cli.UNUSABLE
+        line = capsys.readouterr().err
+        assert words in line
+        assert "unexpected" not in line
+
     def test_debug_shows_the_traceback(self, run_verb, capsys: pytest.CaptureFixture[str]) -> None:
         def failing() -> Outcome:
             raise ChordError("is broken")

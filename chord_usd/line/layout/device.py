@@ -11,12 +11,10 @@ from typing import Any, TypeVar
 
 from chord_usd.base.errors import ChordError, MissingExtraError
 from chord_usd.base.runtime.extras import needed_for
+from chord_usd.base.runtime.machine import is_out_of_memory
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
-
-_NO_MEMORY_WORDS = ("not enough memory", "can't allocate memory", "out of memory")
-"""What torch's CPU allocator and other back ends say in a plain RuntimeError."""
 
 
 def choose_device(name: str) -> str:
@@ -100,13 +98,6 @@ def in_batches(
             continue
         yield from results
         start += batch
-
-
-def is_out_of_memory(error: BaseException) -> bool:
-    """Whether an error of torch or Python says that memory ended."""
-    if isinstance(error, MemoryError):
-        return True
-    return any(words in str(error).lower() for words in _NO_MEMORY_WORDS)
 
 
 def _give_memory_back() -> None:

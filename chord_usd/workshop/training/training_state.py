@@ -13,7 +13,7 @@ from typing import Any
 
 import torch
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 from torch import Tensor
 
 from chord_usd.base.errors import CheckpointError
@@ -31,19 +31,28 @@ def save_state(folder: Path, tensors: Mapping[str, Tensor], counters: Mapping[st
     partial = folder.with_name(folder.name + ".part")
     shutil.rmtree(partial, ignore_errors=True)
     partial.mkdir(parents=True)
-    count = 0
-    for shard in _shards(tensors):
-        save_file(shard, partial / f"{count:02d}.safetensors")
-        count += 1
-    shapes = {name: list(tensor.shape) for name, tensor in tensors.items()}
-    index = {"format": FORMAT, "shards": count, "shapes": shapes, "counters": dict(counters)}
-    (partial / INDEX_FILE).write_text(json.dumps(index) + "\n", encoding="utf-8")
+    try:
+        _write(partial, tensors, counters)
+    except BaseException:  # on a full disk every byte counts
+        shutil.rmtree(partial, ignore_errors=True)
+        raise
     former = folder.with_name(folder.name + ".old")
     shutil.rmtree(former, ignore_errors=True)
     if folder.exists():
         folder.rename(former)
     partial.rename(folder)
     shutil.rmtree(former, ignore_errors=True)
+
+
+def _write(folder: Path, tensors: Mapping[str, Tensor], counters: Mapping[str, Any]) -> None:
+    count = 0
+    for shard in _shards(tensors):
+        # Not save_file: it leaves a file that only its owner can read.
+        (folder / f"{count:02d}.safetensors").write_bytes(save(shard))
+        count += 1
+    shapes = {name: list(tensor.shape) for name, tensor in tensors.items()}
+    index = {"format": FORMAT, "shards": count, "shapes": shapes, "counters": dict(counters)}
+    (folder / INDEX_FILE).write_text(json.dumps(index) + "\n", encoding="utf-8")
 
 
 def load_state(folder: Path, device: str) -> tuple[dict[str, Tensor], dict[str, Any]] | None:
