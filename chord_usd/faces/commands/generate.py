@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.runtime.counting import counted, counted_rooms
 from chord_usd.base.runtime.files import deliver
+from chord_usd.base.scene.settings import OPTIONS
 from chord_usd.faces.commands.certified import add_check, certified, holds, reported
 from chord_usd.faces.commands.common import (
     Outcome,
@@ -49,11 +50,7 @@ def add(verbs: Verbs) -> None:
     )
     add_sources(parser)
     add_stage_output(parser)
-    add_options(
-        parser, "seed", "style", "texture_px", "articulation", "steps", "lists", "arrange",
-        "furniture", "redraws", "m_per_px", "part", "rooms", "tabletop", "dressing", "sky", "roof",
-        "asset_folders", "device",
-    )  # fmt: skip
+    add_options(parser, *(name for name in OPTIONS if name != "sampler"))
     parser.add_argument(
         "--layout-out",
         type=output_file,
