@@ -11,9 +11,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import jsonschema
 import pytest
 from hypothesis import settings
 
+from chord_usd.faces.commands.results import RESULTS, schema_of
 from tests.core_packages import core_environment
 
 if TYPE_CHECKING:
@@ -37,13 +39,14 @@ settings.load_profile("steady")
 def run_cli() -> RunCli:
     """Runs `chord-usd ARGUMENTS` in a process of its own and returns what it did.
 
-    It runs as where no extra is installed: what the tests ask of it needs none.
+    It runs as where no extra is installed: what the tests ask of it needs none. What --json prints
+    has to follow the schema of its verb.
     """
 
     def run(
         *arguments: object, cwd: Path | None = None, env: dict[str, str] | None = None
     ) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
+        done = subprocess.run(
             [sys.executable, "-m", "chord_usd.cli", *map(str, arguments)],
             cwd=cwd,
             env={**os.environ, **core_environment(), **(env or {})},
@@ -52,6 +55,13 @@ def run_cli() -> RunCli:
             timeout=TIMEOUT_S,
             check=False,
         )
+        if "--json" in arguments and done.returncode in (0, 1):
+            words = [str(word) for word in arguments]
+            verb = next(
+                (verb for verb in RESULTS if words[: len(verb.split())] == verb.split()), ""
+            )
+            jsonschema.validate(json.loads(done.stdout), schema_of(verb))
+        return done
 
     return run
 

@@ -7,8 +7,9 @@ import re
 import numpy as np
 import pytest
 
+from chord_usd.base.scene.category_rows import category_rows
 from chord_usd.base.scene.label_sets import LABEL_SETS, OWN, class_of, classes_of, wikidata_item
-from chord_usd.base.scene.palette import CATEGORIES, category_rows
+from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.line.image.annotations import BUILDING, coco
 
 OTHERS = [name for name in LABEL_SETS if name != OWN]

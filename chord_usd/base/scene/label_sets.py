@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from chord_usd.base.scene.palette import category_rows
+from chord_usd.base.scene.category_rows import category_rows
 
 OWN = "chord"
 """Our own labels."""

@@ -8,18 +8,15 @@ and lying book), so every look-up by colour names its level.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
-from pathlib import Path
 from typing import Literal, cast
 
 from chord_usd.base.errors import SceneError
+from chord_usd.base.scene.category_rows import category_rows
 from chord_usd.base.scene.types import ROOM_KINDS, RoomKind
-
-_FILE = Path(__file__).with_name("categories.tsv")
 
 ITEM_OPACITY = 0.3
 """Opacity of an item over the plan raster (paper, supplementary)."""
@@ -153,13 +150,6 @@ class Category:
         least_m = self.length_m[0], self.width_m[0]
         pairs = zip(size_m, least_m, strict=False)
         return any(least > THIN_M and side < UNDERSIZED_SHARE * least for side, least in pairs)
-
-
-@cache
-def category_rows() -> dict[str, dict[str, str]]:
-    """The cells of categories.tsv by name and column; rows of the level `label` included."""
-    lines = _FILE.read_text(encoding="utf-8").splitlines()
-    return {row["name"]: row for row in csv.DictReader(lines, delimiter="\t", restval="")}
 
 
 def _rgb(code: str) -> Rgb:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from chord_usd.base.runtime.counting import counted
 from chord_usd.base.runtime.locations import absolute
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from chord_usd.faces.batch.engine import Engine
     from chord_usd.faces.batch.run import Done
     from chord_usd.faces.batch.work_units import Unit
+    from chord_usd.faces.commands.results import Batch
     from chord_usd.line.image.options import RenderOptions
     from chord_usd.line.pipeline import Settings
 
@@ -209,7 +210,7 @@ def _engine(options: argparse.Namespace, folder: Path) -> Engine:
 def outcome_of(done: Done, options: argparse.Namespace, seconds: dict[str, float]) -> Outcome:
     """What is told of a batch."""
     failures = {result.unit.name: result.why for result in done.failures}
-    data: dict[str, Any] = {
+    data: Batch = {
         "folder": str(options.output),
         "made": len(done.made),
         "kept": len(done.kept),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -30,7 +31,7 @@ class Outcome:
 
     text: str | None
     """For people; one or more lines. None where the verb had standard output to itself."""
-    data: dict[str, Any] = field(default_factory=dict)
+    data: Mapping[str, Any] = field(default_factory=dict)
     """For --json."""
     holds: bool = True
     """False where a check did not hold: exit code 1."""
@@ -106,6 +107,18 @@ def _did_you_mean(word: str, known: Sequence[str]) -> str:
     return f"did you mean {' or '.join(near)}?" if near else ""
 
 
+class _PrintSchema(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        """Print the schema of the verb and leave, as --help does."""
+        import json
+
+        from chord_usd.faces.commands.results import schema_of
+
+        schema = schema_of(parser.prog.partition(" ")[2])
+        sys.stdout.write(json.dumps(schema, indent=1) + "\n")
+        parser.exit()
+
+
 def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) -> Parser:
     """A verb with the options that all verbs have."""
     parser: Parser = verbs.add_parser(
@@ -114,6 +127,9 @@ def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) ->
     parser.set_defaults(run=run, parser=parser)
     common = parser.add_argument_group("reporting")
     common.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+    common.add_argument(
+        "--json-schema", action=_PrintSchema, nargs=0, help="print the schema of that object"
+    )
     common.add_argument(
         "--progress", choices=PROGRESS_STYLES, default="auto", help="how progress is told on stderr"
     )

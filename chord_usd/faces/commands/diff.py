@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.faces.commands.common import Outcome, Verbs, add_verb, existing_file
+
+if TYPE_CHECKING:
+    from chord_usd.faces.commands.results import Changed
 
 
 def add(verbs: Verbs) -> None:
@@ -22,5 +25,8 @@ def run(options: argparse.Namespace) -> Outcome:
 
     changes = diff_stages(existing_file(options.before), existing_file(options.after))
     lines = [f"{change.path} {change.text}" for change in changes] or ["nothing changed"]
-    data = {"same": not changes, "changes": [asdict(change) for change in changes]}
+    data: Changed = {
+        "same": not changes,
+        "changes": [{"path": one.path, "text": one.text} for one in changes],
+    }
     return Outcome("\n".join(lines), data, holds=not changes)

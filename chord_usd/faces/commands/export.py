@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.faces.commands.common import (
     Outcome,
@@ -16,6 +17,9 @@ from chord_usd.faces.commands.common import (
     stopwatch,
 )
 from chord_usd.faces.commands.paths import output_package
+
+if TYPE_CHECKING:
+    from chord_usd.faces.commands.results import Exported
 
 PACKAGES = {
     "web": "a flat .usdz for viewers in a browser",
@@ -78,7 +82,7 @@ def run(options: argparse.Namespace) -> Outcome:
             export_stage(stage, output, options.package, mode, photometric=photometric)
     files = output.rglob("*") if output.is_dir() else [output]
     size = sum(file.stat().st_size for file in files if file.is_file())
-    data = {"package": str(output), "for": options.package, "bytes": size}
+    data: Exported = {"package": str(output), "for": options.package, "bytes": size}
     return Outcome(f"{output}: {size / 1e6:.1f} MB", data)
 
 

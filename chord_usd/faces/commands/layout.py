@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from chord_usd.base.runtime.files import deliver
 from chord_usd.faces.commands.common import (
@@ -15,6 +16,9 @@ from chord_usd.faces.commands.common import (
     stopwatch,
 )
 from chord_usd.faces.commands.house_options import add_options, settings_of
+
+if TYPE_CHECKING:
+    from chord_usd.faces.commands.results import LayoutDrawn
 
 
 def add(verbs: Verbs) -> None:
@@ -60,7 +64,7 @@ def run(options: argparse.Namespace) -> Outcome:
         write_raster(layout, target)
     warnings = list(plan.extra.get(WARNINGS, ()))
     m_per_px = layout.frame.m_per_px
-    data = {
+    data: LayoutDrawn = {
         "layout": str(options.output),
         "m_per_px": m_per_px,
         "seconds": watch.seconds,

@@ -29,6 +29,7 @@ from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import output_place, sky
 
 if TYPE_CHECKING:
+    from chord_usd.faces.commands.results import Rendered
     from chord_usd.line.image.options import RenderOptions
 
 QUALITIES = ("draft", "good", "final")
@@ -278,7 +279,7 @@ def run(options: argparse.Namespace) -> Outcome:
     with watch.step("render") as progress:
         rendered = render_stage(stage, options.output, wanted, progress)
     pictures = [str(path) for path in rendered.pictures]
-    data = {
+    data: Rendered = {
         "pictures": pictures,
         "files": [str(path) for path in rendered.files],
         "rendered": rendered.rendered,

@@ -1,0 +1,481 @@
+"""What `--json` prints, verb by verb, as types; `--json-schema` prints their JSON Schema."""
+
+from __future__ import annotations
+
+import types
+from typing import (
+    Any,
+    Literal,
+    NotRequired,
+    TypedDict,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+    is_typeddict,
+)
+
+Seconds = dict[str, float]
+"""By step."""
+
+
+class Edit(TypedDict):
+    """What a rule did to a piece."""
+
+    item: str
+    rule: str
+    moved_m: float
+
+
+class Finding(TypedDict):
+    """An error of the stage."""
+
+    rule: str
+    path: str
+    message: str
+
+
+class Collision(TypedDict):
+    """Two meshes in each other."""
+
+    a: str
+    b: str
+    depth_m: float
+
+
+class Outlier(TypedDict):
+    """What the layout model would not have put there."""
+
+    path: str
+    score: float
+
+
+class Missing(TypedDict):
+    """What a room lacks."""
+
+    path: str
+    pieces: list[str]
+
+
+class Misplaced(TypedDict):
+    """A piece that is placed wrongly."""
+
+    item: str
+    category: str
+    fault: str
+
+
+class Objects(TypedDict):
+    """Counts of objects, by room."""
+
+    total: int
+    median: float
+    least: int
+    by_kind: dict[str, float]
+
+
+class Dressing(TypedDict):
+    """How far rooms are dressed; shares in [0, 1]."""
+
+    items: int
+    windows_dressed: float
+    wet_rooms_with_mirror: float
+    textured_area: float
+
+
+class BrokenRule(TypedDict):
+    """A planning number that is not kept; need and have with `_m` are metres."""
+
+    rule: str
+    source: str
+    unit: str
+    at: list[float]
+    items: list[str]
+    need: NotRequired[float | None]
+    have: NotRequired[float | None]
+    need_m: NotRequired[float | None]
+    have_m: NotRequired[float | None]
+
+
+class Judged(TypedDict):
+    """Planning rules of a room, a table or the home."""
+
+    path: str
+    kind: str
+    rules_kept: int
+    rules: int
+    findings: list[BrokenRule]
+
+
+class Design(TypedDict):
+    """Planning rules of a house."""
+
+    rules_kept: float
+    rooms: list[Judged]
+    home: Judged
+
+
+class Unreachable(TypedDict):
+    """A room out of reach."""
+
+    path: str
+    shut_by: Literal["furniture", "plan"]
+
+
+class Certificate(TypedDict):
+    """check."""
+
+    holds: bool
+    valid: bool
+    errors: list[Finding]
+    collisions: list[Collision]
+    out_of_room: list[str]
+    blocked_openings: list[str]
+    unsupported: list[str]
+    empty_rooms: list[str]
+    walkable: float
+    reachable_rooms: float
+    por: float
+    piou: float
+    pairs: int
+    ood: list[Outlier]
+    complete: float
+    right: float
+    missing: list[Missing]
+    home_lacks: list[str]
+    misplaced: list[Misplaced]
+    objects: Objects
+    dressing: Dressing
+    design: Design
+    stairs: list[str]
+    unreachable: list[Unreachable]
+    faults: list[str]
+
+
+class Storey(TypedDict):
+    """A storey, and how it was registered to the storey below."""
+
+    name: str
+    elevation_m: float
+    rooms: int
+    furniture: int
+    registered_by: str | None
+    shift_m: list[float]
+    on_walls: float | None
+    residual_m: float | None
+
+
+Stair = TypedDict(
+    "Stair", {"form": str, "rise_m": float, "going_m": float, "from": str, "to": str}
+)  # fmt: skip
+
+
+class Tabletop(TypedDict):
+    """Pieces with objects, and objects; empty pieces by node id."""
+
+    pieces: int
+    items: int
+    too_small: list[str]
+    bare: list[str]
+    left_out: int
+
+
+class Planned(TypedDict):
+    """A plan from words or from an open plan."""
+
+    understood: str
+    rooms: int
+    room_counts: dict[str, int]
+    area_m2: float
+    openings: int
+    candidates: int
+    warnings: list[str]
+
+
+class PlannedPlan(Planned):
+    """plan from-text, plan from-outline."""
+
+    plan: str
+    seconds: Seconds
+
+
+class Generated(TypedDict):
+    """generate."""
+
+    stage: str
+    style: str
+    rooms: int
+    furniture: int
+    items: int
+    tabletop: Tabletop
+    dressing: int
+    openings: int
+    redrawn: list[str]
+    left_out: list[str]
+    edits: list[Edit]
+    seconds: Seconds
+    m_per_px: float
+    scale: dict[str, Any] | str | None
+    storeys: list[Storey]
+    stairs: list[Stair]
+    certificate: Certificate | None
+    warnings: list[str]
+    planned: NotRequired[Planned]
+
+
+class Regenerated(TypedDict):
+    """regenerate."""
+
+    stage: str
+    room: str
+    seed: int
+    style: str
+    furniture: int
+    items: int
+    dressing: int
+    kept: list[str]
+    edits: list[Edit]
+    seconds: Seconds
+    certificate: Certificate
+
+
+class Intent(TypedDict):
+    """A change that a sentence asks for."""
+
+    action: str
+    rooms: list[str]
+    pieces: list[str]
+    new: str
+    count: int
+    relation: str
+    to: list[str]
+    style: str
+    told: str
+
+
+class Edited(TypedDict):
+    """edit."""
+
+    stage: str
+    understood: list[Intent]
+    read_as: list[str]
+    rooms: list[str]
+    added: list[str]
+    removed: list[str]
+    moved: list[str]
+    taken_over: list[str]
+    written: bool
+    seconds: Seconds
+    certificate: Certificate
+
+
+class Staged(TypedDict):
+    """stage."""
+
+    stage: str
+    style: str
+    rooms: int
+    furniture: int
+    dressing: int
+    edits: list[Edit]
+    content_hash: str
+    seconds: Seconds
+    certificate: Certificate | None
+
+
+class Change(TypedDict):
+    """A difference at a prim."""
+
+    path: str
+    text: str
+
+
+class Changed(TypedDict):
+    """diff."""
+
+    same: bool
+    changes: list[Change]
+
+
+class Choice(TypedDict):
+    """A variant set."""
+
+    chosen: str
+    offered: list[str]
+
+
+class Piece(TypedDict):
+    """A piece of a stage."""
+
+    path: str
+    component: str
+    category: str
+    size_m: list[float]
+    asset: str
+    looks: dict[str, Choice]
+    carries: list[str]
+    rests_on: str
+
+
+class RoomContents(TypedDict):
+    """A room of a stage."""
+
+    name: str
+    path: str
+    kind: str
+    looks: dict[str, Choice]
+    furniture: list[Piece]
+    dressing: list[Piece]
+
+
+class Described(TypedDict):
+    """describe."""
+
+    stage: str
+    looks: dict[str, Choice]
+    rooms: list[RoomContents]
+    cameras: list[str]
+
+
+Exported = TypedDict("Exported", {"package": str, "for": str, "bytes": int})
+
+
+class Rendered(TypedDict):
+    """render."""
+
+    pictures: list[str]
+    files: list[str]
+    rendered: int
+    device: str | None
+    seconds: Seconds
+
+
+class LayoutDrawn(TypedDict):
+    """layout."""
+
+    layout: str
+    m_per_px: float
+    seconds: Seconds
+    warnings: list[str]
+
+
+class GraphRead(TypedDict):
+    """graph."""
+
+    graph: str
+    rooms: int
+    furniture: int
+    openings: int
+    edits: list[Edit]
+    seconds: Seconds
+
+
+class Frame(TypedDict):
+    """Where a picture lies in the plan."""
+
+    m_per_px: float
+    origin_m: list[float]
+    height_px: int
+
+
+class PlanRead(TypedDict):
+    """plan read."""
+
+    plan: str
+    rooms: int
+    openings: int
+    doors: int
+    windows: int
+    passages: int
+    scale: dict[str, Any] | str | None
+    confidence: dict[str, float]
+    warnings: list[str]
+    drawing: NotRequired[Frame]
+
+
+class PlanDrawn(TypedDict):
+    """plan draw."""
+
+    plan: str
+    m_per_px: float
+
+
+class Batch(TypedDict):
+    """batch."""
+
+    folder: str
+    made: int
+    kept: int
+    failed: int
+    failures: dict[str, str]
+    holds: bool
+    holding: int
+    not_holding: list[str]
+    pictures: int
+    files: list[str]
+    seconds: Seconds
+
+
+class Bundle(TypedDict):
+    """farm bundle."""
+
+    template: str
+    tasks: int
+
+
+class Due(TypedDict):
+    """farm due."""
+
+    due: int
+    tasks: int
+
+
+class Script(TypedDict):
+    """completion."""
+
+    shell: str
+    script: str
+
+
+RESULTS: dict[str, Any] = {
+    "generate": Generated, "regenerate": Regenerated, "edit": Edited, "stage": Staged,
+    "check": Certificate, "diff": Changed, "describe": Described, "export": Exported,
+    "render": Rendered, "layout": LayoutDrawn, "graph": GraphRead, "plan read": PlanRead,
+    "plan draw": PlanDrawn, "plan from-text": PlannedPlan, "plan from-outline": PlannedPlan,
+    "batch": Batch, "farm bundle": Bundle, "farm due": Due, "completion": Script,
+}  # fmt: skip
+"""By verb. Those of data, training, scores and assets print reports of no fixed form."""
+
+_NAMES = {str: "string", int: "integer", float: "number", bool: "boolean", type(None): "null"}
+
+
+def schema_of(verb: str) -> dict[str, Any]:
+    """The JSON Schema (2020-12) of what a verb prints; any object for one not in RESULTS."""
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": f"chord-usd {verb}"}
+    return {**head, **(_schema(RESULTS[verb]) if verb in RESULTS else {"type": "object"})}
+
+
+def _schema(kind: Any) -> dict[str, Any]:
+    if kind in _NAMES:
+        return {"type": _NAMES[kind]}
+    if is_typeddict(kind):
+        hints = get_type_hints(kind, include_extras=True)
+        return {
+            "type": "object",
+            "properties": {name: _schema(own) for name, own in hints.items()},
+            "required": [n for n, own in hints.items() if get_origin(own) is not NotRequired],
+            "additionalProperties": False,
+        }
+    inner = get_args(kind)
+    match get_origin(kind):
+        case origin if origin is list:
+            return {"type": "array", "items": _schema(inner[0])}
+        case origin if origin is dict:
+            return {"type": "object", "additionalProperties": _schema(inner[1])}
+        case origin if origin is Literal:
+            return {"enum": list(inner)}
+        case origin if origin in (Union, types.UnionType):
+            return {"anyOf": [_schema(own) for own in inner]}
+        case origin if origin is NotRequired:
+            return _schema(inner[0])
+    return {}
