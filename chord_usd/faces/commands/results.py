@@ -18,6 +18,9 @@ from typing import (
 Seconds = dict[str, float]
 """By step."""
 
+Verdict = Literal["right", "look", "wrong"]
+"""On a plan that was read from a picture."""
+
 
 class Edit(TypedDict):
     """What a rule did to a piece."""
@@ -199,6 +202,13 @@ class PlannedPlan(Planned):
     seconds: Seconds
 
 
+class Doubt(TypedDict):
+    """What a reading is unsure of, and where the rooms and openings lie that it names, metres."""
+
+    text: str
+    at: list[list[float]]
+
+
 class Generated(TypedDict):
     """generate."""
 
@@ -216,6 +226,7 @@ class Generated(TypedDict):
     seconds: Seconds
     m_per_px: float
     scale: dict[str, Any] | str | None
+    verdict: str | None
     storeys: list[Storey]
     stairs: list[Stair]
     certificate: Certificate | None
@@ -387,6 +398,8 @@ class PlanRead(TypedDict):
     doors: int
     windows: int
     passages: int
+    verdict: Verdict | None
+    doubts: list[Doubt]
     scale: dict[str, Any] | str | None
     confidence: dict[str, float]
     warnings: list[str]
