@@ -137,6 +137,14 @@ class Settings:
         1, "which plan of a sheet, by floor area, or storey, by rooms with doors (1, the most)",
         "Plan or storey", metavar="N", limits=PARTS, faces=("panel",),
     )  # fmt: skip
+    dwelling: int = _row(
+        0, "only this dwelling of a plan that shows several (all)", "Dwelling", metavar="N",
+        limits=(0, PARTS[1]), faces=("agent",),
+    )  # fmt: skip
+    homes_only: bool = _row(
+        True, "furnish what is no home, too: offices, schools, shops", "Homes only", "anyway",
+        faces=("agent",),
+    )  # fmt: skip
     rooms: str = _row(
         "", 'kinds of rooms, by their numbers on the overlay or ids: "3: bedroom, 5: bathroom"; '
         'of several storeys, "1/3: bedroom"', "Rooms", metavar="KINDS", faces=("agent",),
@@ -185,6 +193,8 @@ class HouseOptions(TypedDict, total=False):
     redraws: int
     m_per_px: float | None
     part: int
+    dwelling: int
+    homes_only: bool
     rooms: str
     tabletop: bool
     dressing: bool

@@ -34,7 +34,7 @@ def add(verbs: Verbs) -> None:
         help="floor plan: picture, PDF page, SVG, DXF, IFC or Sweet Home 3D",
     )  # fmt: skip
     add_output(read, "the vector plan, plan.json", suffixes=(".json",))
-    add_options(read, "m_per_px", "part", "rooms")
+    add_options(read, "m_per_px", "part", "dwelling", "rooms")
     read.add_argument(
         "--overlay",
         type=output_file,

@@ -11,6 +11,7 @@ from chord_usd.base.errors import CheckpointError, ChordError, PlanError
 from chord_usd.base.runtime.files import hash_file
 from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.runtime.progress import Progress
+from chord_usd.base.scene.dwellings import NO_HOME, only_dwelling
 from chord_usd.base.scene.roof_forms import NO_ROOF
 from chord_usd.base.scene.settings import Settings
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
@@ -41,11 +42,18 @@ def read_plan(plan_file: Path, settings: Settings) -> Plan:
     from chord_usd.line.plan.read import read_plan_file
 
     plan = read_plan_file(plan_file, settings.m_per_px, settings.part)
-    if not settings.rooms:
-        return plan
-    from chord_usd.line.plan.corrections import read_rooms, with_rooms
+    if settings.rooms:
+        from chord_usd.line.plan.corrections import read_rooms, with_rooms
 
-    return with_rooms(plan, read_rooms(settings.rooms))
+        plan = with_rooms(plan, read_rooms(settings.rooms))
+    return only_dwelling(plan, settings.dwelling) if settings.dwelling else plan
+
+
+def refuse_no_home(plan: Plan, plan_file: Path) -> None:
+    """Raises PlanError for an office, a school or a shop."""
+    told = next((one for one in plan.extra.get("warnings", ()) if one.startswith(NO_HOME)), None)
+    if told:
+        raise PlanError(told, where=str(plan_file), expected="a home", try_="--anyway")
 
 
 def refuse_shut(plan: Plan, plan_file: Path) -> None:

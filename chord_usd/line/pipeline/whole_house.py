@@ -17,6 +17,7 @@ from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.json_text import parse_json
 from chord_usd.base.runtime.progress import Progress, Stopwatch
+from chord_usd.base.scene.dwellings import is_common
 from chord_usd.base.scene.estimates import Estimate, of_furnishing, of_stage
 from chord_usd.base.scene.json_stairs import StoreyPlan, is_storeys, storeys_from_json
 from chord_usd.base.scene.limits import MOST_JSON_BYTES, SEEDS
@@ -220,7 +221,7 @@ def settle(made: FurnishedStorey, _: Progress) -> None:
 
 
 def dress(made: FurnishedStorey, _: Progress) -> None:
-    """Dress rooms; those of stairs stay bare."""
+    """Dress rooms; those of stairs and common parts stay bare."""
     shut = made.draw.shut
     rooms = [room.id for room in made.plan.rooms if room.id not in shut] if shut else ()
     database = made.models.reader.database
@@ -262,6 +263,8 @@ def _checked(
     images, estimate = [], Estimate(0.0, 0)
     for storey, file in zip(building.storeys, files, strict=True):
         steps.refuse_shut(storey.plan, file)
+        if settings.homes_only:
+            steps.refuse_no_home(storey.plan, file)
         images.append(steps.draw_plan(storey.plan))
         estimate += of_furnishing(storey.plan, images[-1]) + of_stage(storey.plan.scene())
     steps.refuse_roof(building.storeys[-1].plan, settings)
@@ -280,11 +283,11 @@ def _begun(
     local = replace(settings, seed=(settings.seed + _SEEDS_APART * storey.index) % (SEEDS[1] + 1))
     ids = {room.id for room in storey.plan.rooms}
     wishes = {room_id: wish for room_id, wish in asked.items() if room_id in ids}
-    cells = frozenset(room.id for room in storey.plan.rooms if is_cell(room))
-    draw = replace(steps.sampling(local, models.lists, wishes), shut=cells)
-    graph, bare = storey.plan.scene(), layout_image(image, ())
+    bare = frozenset(room.id for room in storey.plan.rooms if is_cell(room) or is_common(room))
+    draw = replace(steps.sampling(local, models.lists, wishes), shut=bare)
+    graph, empty = storey.plan.scene(), layout_image(image, ())
     return FurnishedStorey(
-        storey, file, image, local, models, draw, style, graph, bare, graph, bare
+        storey, file, image, local, models, draw, style, graph, empty, graph, empty
     )
 
 

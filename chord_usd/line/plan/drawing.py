@@ -7,7 +7,7 @@ and pages of text (seen.py). What is printed gives rooms their kinds, and the sc
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -19,6 +19,7 @@ from shapely.geometry import Polygon
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.locations import checkpoint_folder
+from chord_usd.base.scene.dwellings import DWELLING, NO_HOME, dwelling_of
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.room_areas import scale_by_home, scale_by_rooms
 from chord_usd.base.scene.stair_places import DRAWN_STAIRS
@@ -38,8 +39,9 @@ from chord_usd.base.scene.types import (
 from chord_usd.base.scene.units import cm_from_m, m_from_px
 from chord_usd.line.plan.doubts import doubts, is_all_guessed, named_rooms, refuse_nonsense
 from chord_usd.line.plan.floor_parts import part_floors
-from chord_usd.line.plan.home_uses import Floor, uses_of_home
-from chord_usd.line.plan.labels import named_by_texts, numbered, seen_as, uses_named
+from chord_usd.line.plan.home_graph import dwellings_of, work_names
+from chord_usd.line.plan.home_uses import Floor, Uses, uses_of_home
+from chord_usd.line.plan.labels import named_by_texts, numbered, seen_as, texts_in, uses_named
 from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.parts import parts_of
 from chord_usd.line.plan.placement import DRAWING, WARNINGS, placement
@@ -65,6 +67,8 @@ _REREAD = math.log(1.1)
 
 _BESIDE_SHARE = 0.3
 """Of a plan's longer side: dimensions stand so near to it."""
+
+_SHOWS_HOMES = "the plan shows "
 
 _SHOWS = "the sheet shows "
 
@@ -308,10 +312,13 @@ def _plan(
     named = _named_rooms(reading, page, frame)
     floors = _floors(reading, page, named, frame, seen)
     banned: set[tuple[int, RoomKind]] = set()
+    whose = _dwellings(reading, floors)
+    work = work_names([t.text for room in named for t in texts_in(room, page.texts, frame)])
     while True:
-        uses = uses_of_home(floors, page.is_home, banned)
+        uses = _uses(floors, whose, page.is_home and not work, banned)
         rooms = numbered([
-            seen_as(room, each.kind, each.chance) for room, each in zip(named, uses, strict=True)
+            _of_dwelling(seen_as(room, each.kind, each.chance), number, max(whose))
+            for room, each, number in zip(named, uses, whose, strict=True)
         ])  # fmt: skip
         openings = reading.placed([room.id for room in rooms], frame)
         plan = Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
@@ -320,8 +327,48 @@ def _plan(
         spots = {room.id: uses_named(room, page.texts, frame) for room in rooms}
         parted, told, failed = part_floors(plan, uses, spots, seen)
         if failed <= banned:
-            return parted, told
+            return parted, [*_said_of(parted, work), *told]
         banned |= failed
+
+
+def _dwellings(reading: SeenReading, floors: Sequence[Floor]) -> list[int]:
+    """The number of each room's dwelling."""
+    kinds = [uses.kind for uses in uses_of_home(floors, is_home=False)]
+    ways = [o for o in reading.openings if o.kind != "window" and len(o.rooms) == 2]
+    return dwellings_of(kinds, [(o.rooms[0][0], o.rooms[1][0]) for o in ways])
+
+
+def _uses(
+    floors: Sequence[Floor],
+    whose: Sequence[int],
+    is_home: bool,
+    banned: Collection[tuple[int, RoomKind]],
+) -> list[Uses]:
+    """Uses of all floors: of each dwelling by itself, common parts as they are."""
+    found = [Uses("unknown")] * len(floors)
+    for number in sorted(set(whose)):
+        own = [index for index, one in enumerate(whose) if one == number]
+        local = {(own.index(at), use) for at, use in banned if at in own}
+        uses = uses_of_home([floors[index] for index in own], is_home and number > 0, local)
+        for index, each in zip(own, uses, strict=True):
+            found[index] = each if number else Uses("corridor")
+    return found
+
+
+def _of_dwelling(room: Room, number: int, count: int) -> Room:
+    """A room with the number of its dwelling, where the plan shows several."""
+    if count < 2:
+        return room
+    kind = room.kind if number else "corridor"
+    return replace(room, kind=kind, extra={**room.extra, DWELLING: number})
+
+
+def _said_of(plan: Plan, work: Sequence[str]) -> list[str]:
+    """Of a plan with several dwellings, and of what is no home. work: names that say so."""
+    count = len({dwelling_of(room) for room in plan.rooms} - {0})
+    told = [f"{_SHOWS_HOMES}{count} dwellings; --dwelling N takes one alone"] if count > 1 else []
+    listed = ", ".join(map(repr, dict.fromkeys(work)))
+    return [*told, f"{NO_HOME}: rooms are named {listed}"] if work else told
 
 
 def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]]]:

@@ -37,7 +37,9 @@ _LOOK, _WRONG = 0.35, 2.1
 _MOST_UNKNOWN = 0.34
 """Share of rooms without a kind in a reading that is right."""
 _WORD = re.compile(r"\w+")
-_NOT_DOUBTFUL = ("it is uncertain what", "the sheet shows", "the file has", "the file holds")
+_NOT_DOUBTFUL = (
+    "it is uncertain what", "the sheet shows", "the plan shows", "the file has", "the file holds",
+)  # fmt: skip
 """Begin warnings that the sums count, or that say what was read..."""
 _SURE_PARTS = ("is drawn", "is named a")
 """...as do these of parts of floors."""
