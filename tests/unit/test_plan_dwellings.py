@@ -70,6 +70,7 @@ def test_a_dwelling_alone_keeps_its_front_door():
         (["Reception Room", "Bedroom 1", "Kitchen"], False),
         (["Office", "Living", "Bath", "Bedroom"], False),
         (["Reception", "WC"], False),
+        (["Shop", "Office", "Study"], False),
         ([], False),
     ],
 )

@@ -34,6 +34,7 @@ _OFFICE = frozenset(
 )
 """Words for rooms that homes have, too."""
 _LEAST_WORK = 2
+"""A house may have a shop, and an office."""
 _AT_HOME: frozenset[RoomKind] = frozenset({"living", "kitchen", "dining", "bedroom"})
 
 
@@ -72,7 +73,7 @@ def work_names(names: Sequence[str]) -> list[str]:
     work = [name for name in names if _is_work(name)]
     home = [name for name in names if name not in work and room_kind(name) in _AT_HOME]
     office = [name for name in names if name not in work and _words(name) & _OFFICE]
-    return [*work, *office] if work and len(work) + len(office) >= _LEAST_WORK and not home else []
+    return [*work, *office] if len(work) >= _LEAST_WORK and not home else []
 
 
 def _is_work(name: str) -> bool:
