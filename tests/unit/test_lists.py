@@ -16,7 +16,7 @@ from chord_usd.base.metrics import score_scene
 from chord_usd.base.metrics.complete import homely_rooms, lacking
 from chord_usd.base.metrics.design.price import broken_share, conflicts, tight
 from chord_usd.base.metrics.design.shell import shells
-from chord_usd.base.metrics.design.view import View
+from chord_usd.base.metrics.design.view import HomeView, View
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.metrics.walk import ways_shut
 from chord_usd.base.scene.palette import HOUSE_CATEGORIES
@@ -37,6 +37,7 @@ from chord_usd.line.lists.house import Drafts, furnish_by_lists
 from chord_usd.line.lists.improve import improved
 from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Drawn, ListDrawer, Subject
 from chord_usd.line.lists.mend import mended
+from chord_usd.line.lists.moves import changes_of
 from chord_usd.line.lists.pieces import PIECES
 from chord_usd.line.lists.ranking import Ranking
 from chord_usd.line.lists.vocabulary import END, NOTHING, Element, sequence_of
@@ -353,7 +354,7 @@ def test_a_chosen_draft_keeps_more_rules_and_gets_no_tighter() -> None:
     }
     items = tuple(Item(f"room/{name}_0", name, box, "room") for name, box in boxes.items())
     before = View(shells((room,), ())["room"], items)
-    after = improved(before, lambda _: 0.0, "")
+    after = improved(before, lambda _: 0.0, changes_of(before, HomeView((before,), None)))
     assert broken_share(before) > broken_share(after) == 0.0
     assert tight(before) == tight(after) == 0
     assert len(after.of("bedside_table")) == 2

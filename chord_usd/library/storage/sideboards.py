@@ -312,6 +312,16 @@ def _slatted(cell: Cell, y: float) -> Solid:
     return joined([board, *(slat.moved(x=left + step * (i + 0.5)) for i in range(count))])
 
 
+def wall_television(size_m: Size) -> tuple[Part, ...]:
+    """A flat screen on a plate at the wall."""
+    length, depth, height = size_m
+    face = -depth / 2
+    case = block((length, 0.02, height), 0.004).moved(y=face + 0.012)
+    plate = block((0.4, depth - 0.022, 0.24), 0.002).moved(y=0.011, z=height / 2 - 0.12)
+    glass = box((length - 0.012, 0.002, height - 0.018)).moved(y=face + 0.001, z=0.009)
+    return Part("Television", case + plate, "tv"), Part("Screen", glass, "screen", collider=None)
+
+
 def television(length: float, y: float, z: float) -> tuple[Part, ...]:
     """A flat screen on two feet, its back at about y; stands on height z."""
     tall = length * 9 / 16 + 0.02

@@ -12,6 +12,8 @@ from dataclasses import replace
 import shapely
 
 from chord_usd.base.metrics.clear_floor import clearances
+from chord_usd.base.metrics.design.shell import shells
+from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.footprints import is_underfoot
 from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.base.metrics.walk import entrance, free_floor
@@ -39,7 +41,7 @@ from chord_usd.line.dressing.dress_ceilings import dress_ceilings
 from chord_usd.line.dressing.dress_floors import dress_floor, dress_rugs
 from chord_usd.line.dressing.dress_kitchens import dress_kitchen
 from chord_usd.line.dressing.dress_pieces import dress_pieces
-from chord_usd.line.dressing.dress_walls import dress_fittings
+from chord_usd.line.dressing.dress_walls import dress_fittings, hang_television
 from chord_usd.line.dressing.dress_windows import dress_windows
 from chord_usd.line.dressing.room_frame import ReliefsOf, RoomFrame, named
 from chord_usd.line.dressing.stock import Stock
@@ -127,7 +129,8 @@ class _House:
     def dressed(self, room: Room, kept: Sequence[Item]) -> list[Item]:
         """The dressing of a room; kept: what stays."""
         frame = self._frame(room, kept)
-        _dress_room(frame)
+        shell = shells(self._graph.rooms, self._graph.openings)[room.id]
+        _dress_room(frame, View(shell, frame.pieces))
         taken_ids = {item.id for item in kept}
         return list(named(frame.placed, room.id, taken_ids))
 
@@ -165,9 +168,10 @@ class _House:
         )  # fmt: skip
 
 
-def _dress_room(frame: RoomFrame) -> None:
+def _dress_room(frame: RoomFrame, view: View) -> None:
     dress_windows(frame)
     dress_ceilings(frame)
+    hang_television(frame, view)
     if frame.kind == "kitchen" or frame.of("cooker_cabinet", "sink_cabinet"):
         dress_kitchen(frame)
     if frame.kind == "bathroom" or frame.of("washbasin"):

@@ -1,11 +1,15 @@
-"""What every home has on its walls: radiators, switches, sockets."""
+"""What every home has on its walls: radiators, switches, sockets, a television."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from chord_usd.base.places.wall_frames import Hole, WallFace
-from chord_usd.base.scene.geometry import to_world
+from chord_usd.base.metrics.design.screens import places_on_walls
+from chord_usd.base.metrics.design.view import View
+from chord_usd.base.places.wall_frames import BEHIND_M, Hole, WallFace
+from chord_usd.base.scene.geometry import front_direction, to_world
 from chord_usd.base.scene.types import Asset, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import nearest_length, within
@@ -29,6 +33,22 @@ def dress_fittings(frame: RoomFrame) -> None:
             _radiator(frame, face, hole)
     _switch(frame)
     _sockets(frame)
+
+
+def hang_television(frame: RoomFrame, view: View) -> None:
+    """Where the sofa sees it, in living rooms whose cabinets carry none: before windows they are
+    bare."""
+    if frame.kind != "living" or len(view.of("tv_cabinet")) > len(view.bare):
+        return
+    for asset in sorted(
+        frame.stock.offered("television"), key=lambda one: (-one.size_m[0], one.id)
+    ):
+        for box in places_on_walls(view, asset.size_m):
+            step = BEHIND_M * front_direction(box.yaw_deg)
+            x, y, z = box.center_m
+            off_wall = replace(box, center_m=(x + float(step[0]), y + float(step[1]), z))
+            if frame.dressed("television") or frame.put_where_free(asset, off_wall):
+                return
 
 
 def _radiator(frame: RoomFrame, face: WallFace, hole: Hole) -> None:

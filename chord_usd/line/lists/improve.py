@@ -1,288 +1,86 @@
-"""Small changes by which a chosen draft keeps more planning rules: wardrobes as long as their
-sleepers need, pairs of bedside tables, showers that one can stand in, seats that face the group."""
+"""Changes by which a room keeps more planning rules, one after another; it gets no tighter."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
-from functools import partial
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from chord_usd.base.metrics.design.bedroom_rules import bedside, wardrobes
-from chord_usd.base.metrics.design.dining_rules import chairs_of
-from chord_usd.base.metrics.design.price import quick_price, tight
-from chord_usd.base.metrics.design.shell import Hole
-from chord_usd.base.metrics.design.view import View, sleepers_of
-from chord_usd.base.metrics.rooms import stands_in
-from chord_usd.base.places.wall_frames import Size, WallFrame
-from chord_usd.base.scene.geometry import front_direction, to_world
-from chord_usd.base.scene.palette import CATEGORIES
-from chord_usd.base.scene.types import Box, Item
-from chord_usd.base.scene.units import wrap_deg
-from chord_usd.line.lists.pieces import TALL_M, WARDROBE_DEPTH_M
+from chord_usd.base.metrics.design.price import beyond_walls, quick_price, tight
+from chord_usd.base.metrics.design.shell import TOUCH_M
+from chord_usd.base.metrics.design.view import View
+from chord_usd.base.metrics.overlap import overlaps_by_nature
+from chord_usd.base.scene.types import Item
+from chord_usd.line.lists.changes import Change, Propose
 
-WARDROBE_M = 0.6
-SHOWERS_M = (0.9, 0.8)
-TABLE_TO_SOFA_M = 0.4
-SLIDES_M = (0.3, 0.6, 0.9, 1.2)
-TABLES_M = (1.3, 1.6, 2.0)
-SEAT_M = 0.62
-"""Of a table's edge."""
-CHAIR_OUT_M = 0.25
-"""From the table's edge to the middle of a chair."""
-SHOES_M = (0.8, 0.3, 1.1)
-NEAR_DOOR_M = 3.0
-MOST_PLACES = 10
-WALL_STEP_M = 0.3
 _LEAST_GAIN = 1e-6
+_WEIGHED = 40
+"""Changes of one kind that are weighed by all rules, evenly of those that clash with nothing."""
+_LOOKED_AT = 3
+"""Of the changes of one kind, so many of the best are looked at exactly."""
 
-Change = tuple[Item, ...]
 
+def improved(
+    view: View,
+    home: Callable[[View], float],
+    changes: Iterable[Propose],
+    permits: Callable[[View], bool] = lambda _: True,
+    gain: float = _LEAST_GAIN,
+) -> View:
+    """The room with each of these changes that lowers what room and home cost, one after another.
 
-def improved(view: View, home: Callable[[View], float], entrance: str) -> View:
-    """The draft with each of its changes that lowers what room and home cost, one after another.
-
-    home: what the home costs with a draft of this room. entrance: id of the front door.
+    home: what the home costs with this room. permits: whether a room is no worse by faults. gain:
+    least decrease of the cost; 0 takes changes that cost nothing, the first of equal ones.
     """
-
     most = tight(view)
     price = quick_price(view, most) + home(view)
-    proposals = list(_PROPOSALS.get(view.shell.kind, ()))
-    doors = [hole for hole in view.shell.holes if hole.id == entrance]
-    if doors and stands_in("shoe_cabinet", view.shell.kind):
-        proposals.append(partial(_shoes, door=doors[0]))
-    for propose in proposals:
-        best, left = view, most
-        for items in propose(view):
-            tried = View(view.shell, items, view.screens)
+    for propose in changes:
+        better = []
+        options = free_of_clashes(view, list(propose(view)))
+        for nth, items in enumerate(options[:: 1 + len(options) // _WEIGHED]):
+            tried = View(view.shell, items, view.hung)
             faults = tight(tried)
-            if faults > most:
-                continue
-            least = quick_price(tried, faults) + home(tried)
-            if least < price - _LEAST_GAIN:
-                best, price, left = tried, least, faults
-        view, most = best, left
+            if faults <= most:
+                cost = quick_price(tried, faults) + home(tried)
+                if cost <= price - gain:
+                    better.append((round(cost, 9), nth, faults, tried))
+        for cost, _, faults, tried in sorted(better, key=lambda one: one[:2])[:_LOOKED_AT]:
+            if permits(tried):
+                view, price, most = tried, cost, faults
+                break
     return view
 
 
-def _at_walls(view: View, size: Size) -> Iterator[Box]:
-    """A piece of this size with its back to each wall, every WALL_STEP_M."""
-    for start, end in view.shell.walls:
-        yield from WallFrame.between(start, end).boxes(size, WALL_STEP_M)
-
-
-def _shoes(view: View, door: Hole) -> Iterator[Change]:
-    """A shoe cabinet at a wall by the front door, the nearest places first."""
-    if view.of("shoe_cabinet"):
-        return
-    places = [(float(np.hypot(*(np.array(box.center_m[:2]) - door.middle))), nth, box)
-              for nth, box in enumerate(_at_walls(view, SHOES_M))]  # fmt: skip
-    for away, _, box in sorted(places, key=lambda one: one[:2])[:MOST_PLACES]:
-        if away < NEAR_DOOR_M:
-            yield (*view.items, _new(view, "shoe_cabinet", box))
-
-
-def _new(view: View, category: str, box: Box, number: int = 0) -> Item:
-    room = view.shell.room.id
-    return Item(f"{room}/{category}_new_{number}", category, box, room)
-
-
-def _with(view: View, at: int, box: Box) -> Change:
-    items = list(view.items)
-    items[at] = replace(items[at], box=box)
-    return tuple(items)
-
-
-def _resized(box: Box, length: float, depth: float, u: float, v: float) -> Box:
-    """Another size about a point of its own frame, y to the back."""
-    x, y = to_world(box, (u, v))
-    return replace(box, center_m=(float(x), float(y), box.center_m[2]),
-                   size_m=(length, depth, box.size_m[2]))  # fmt: skip
-
-
-def _grown(box: Box, length: float, depth: float) -> Iterator[Box]:
-    """A piece of another size with its back where it is: to the left, to both sides, to the
-    right."""
-    back = (box.size_m[1] - depth) / 2
-    for share in (-0.5, 0.0, 0.5):
-        yield _resized(box, length, depth, share * (length - box.size_m[0]), back)
-
-
-def _wardrobe(view: View) -> Iterator[Change]:
-    """The longest cabinet, deep and long enough to hang clothes for all."""
-    cabinets = view.of("cabinet")
-    if not cabinets:
-        return
-    at = max(cabinets, key=lambda one: (view.depth[one] >= WARDROBE_DEPTH_M, view.length[one]))
-    others = sum(view.length[one] for one in wardrobes(view) if one != at)
-    most = CATEGORIES["cabinet"].length_m[1]
-    needed = float(np.clip(sleepers_of(view) - others, view.length[at], most))
-    depth = max(float(view.depth[at]), WARDROBE_M)
-    tall = replace(view.items[at].box, size_m=(*view.items[at].box.size_m[:2], TALL_M))
-    lengths = np.arange(needed, view.length[at] - 0.01, -0.2).tolist()
-    for length in (*lengths, float(view.length[at])):
-        for box in _grown(tall, length, depth):
-            yield _with(view, at, box)
-
-
-def _wardrobe_more(view: View) -> Iterator[Change]:
-    """Another wardrobe, for those who have none."""
-    there = float(view.length[wardrobes(view)].sum())
-    missing = sleepers_of(view) - there
-    if missing <= 0.05:
-        return
-    for length in dict.fromkeys((max(missing, 0.8), 0.8)):
-        for box in _at_walls(view, (min(length, 2.4), WARDROBE_M, TALL_M)):
-            yield (*view.items, _new(view, "cabinet", box))
-
-
-def _bedsides(view: View) -> Iterator[Change]:
-    """Tables of one size on both sides of the bed, at its head."""
-    for bed in view.of("bed")[:1]:
-        tables = bedside(view, bed)
-        sizes = [view.items[at].box.size_m for at in tables] or [(0.45, 0.4, 0.5)]
-        box = view.items[bed].box
-        rest = tuple(item for at, item in enumerate(view.items) if at not in tables)
-        for size in (*sizes, (0.4, 0.4, 0.5)):
-            back = (box.size_m[1] - size[1]) / 2
-            pair = []
-            for nth, side in enumerate((-1, 1)):
-                x, y = to_world(box, (side * (box.size_m[0] + size[0]) / 2, back))
-                own = Box((float(x), float(y), 0.0), size, box.yaw_deg)
-                pair.append(_new(view, "bedside_table", own, nth))
-            yield (*rest, *pair)
-            for one in pair:
-                yield (*rest, one)
-
-
-def _shower(view: View) -> Iterator[Change]:
-    """As large as one stands in well, one of its corners or ends in place."""
-    for at in view.of("shower")[:1]:
-        box = view.items[at].box
-        for side in SHOWERS_M:
-            length, depth = max(box.size_m[0], side), max(box.size_m[1], side)
-            for grown in _grown(box, length, depth):
-                yield _with(view, at, grown)
-
-
-def _basin(view: View) -> Iterator[Change]:
-    for at in view.of("washbasin")[:1]:
-        box = view.items[at].box
-        for length in (0.6, 0.5):
-            yield from (_with(view, at, one) for one in _grown(box, length, box.size_m[1]))
-
-
-def _coffee_table(view: View) -> Iterator[Change]:
-    """The table before the middle of the sofa, in easy reach."""
-    sofas, tables = view.of("sofa"), view.of("coffee_table")
-    if not sofas:
-        return
-    sofa = max(sofas, key=lambda at: view.length[at])
-    box = view.items[sofa].box
-    size = view.items[tables[0]].box.size_m if tables else (0.9, 0.55, 0.42)
-    ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + size[1] / 2)
-    x, y = to_world(box, (0.0, ahead))
-    own = Box((float(x), float(y), 0.0), size, box.yaw_deg)
-    if tables:
-        yield _with(view, tables[0], own)
-    else:
-        yield (*view.items, _new(view, "coffee_table", own))
-
-
-def _armchairs(view: View) -> Iterator[Change]:
-    """Armchairs at both ends of the coffee table, turned to it."""
-    sofas, tables = view.of("sofa"), view.of("coffee_table")
-    if not sofas:
-        return
-    sofa = max(sofas, key=lambda at: view.length[at])
-    box = view.items[sofa].box
-    focus = tables[0] if tables else sofa
-    u, v = view.own(sofa, view.at[focus])
-    chairs = view.of("single_sofa", "leisure_sofa")
-    size = view.items[chairs[0]].box.size_m if chairs else (0.8, 0.8, 0.85)
-    category = view.categories[chairs[0]] if chairs else "single_sofa"
-    rest = tuple(item for at, item in enumerate(view.items) if at not in chairs)
-    reach = max(float(view.length[sofa]), float(view.length[focus])) / 2 + size[1] / 2
-    seats = []
-    for nth, side in enumerate((-1, 1)):
-        for out in (0.1, 0.4):
-            x, y = to_world(box, (u + side * (reach + out), -v - 0.1))
-            yaw = wrap_deg(box.yaw_deg - 90.0 * side)
-            own = Box((float(x), float(y), 0.0), size, yaw)
-            seats.append((side, _new(view, category, own, nth)))
-    for _, seat in seats:
-        yield (*rest, seat)
-    for one_side, one in seats:
-        for other_side, other in seats:
-            if one_side < other_side:
-                yield (*rest, one, other)
-    for at in chairs:
-        yield tuple(item for number, item in enumerate(view.items) if number != at)
-
-
-def _slid(category: str) -> Callable[[View], Iterator[Change]]:
-    def propose(view: View) -> Iterator[Change]:
-        """A piece farther along its wall, as off a window."""
-        for at in view.of(category)[:1]:
-            box = view.items[at].box
-            for length in {float(box.size_m[0]), min(1.2, float(box.size_m[0]))}:
-                for step in (0.0, *SLIDES_M):
-                    for side in (-1, 1):
-                        yield _with(view, at, _resized(box, length, box.size_m[1], side * step, 0))
-
-    return propose
-
-
-def _seats(view: View) -> Iterator[Change]:
-    """As many chairs or more, spread evenly along the sides of the table."""
-    for table in view.of("dining_table")[:1]:
-        chairs = chairs_of(view, table)
-        box, room = view.items[table].box, view.shell.room.id
-        size = view.items[chairs[0]].box.size_m if chairs else (0.45, 0.5, 0.9)
-        rest = tuple(item for at, item in enumerate(view.items) if at not in chairs)
-        for top in _tables(box):
-            long, deep = int(top.size_m[0] / SEAT_M), int(top.size_m[1] / SEAT_M)
-            others = [replace(one, box=top) if one is view.items[table] else one for one in rest]
-            for counts in ((long, long, min(deep, 1), min(deep, 1)), (long, long, 0, 0),
-                           (long, 0, 1, 1), (long, 0, 0, 0)):  # fmt: skip
-                if sum(counts) >= max(2, len(chairs)):
-                    yield (*others, *_round(top, counts, size, room))
-
-
-def _tables(box: Box) -> Iterator[Box]:
-    """The table as it is, and in other lengths, also turned."""
-    yield box
-    for length in TABLES_M:
-        size = (length, max(box.size_m[1], 0.8), box.size_m[2])
-        yield replace(box, size_m=size)
-        yield replace(box, size_m=size, yaw_deg=wrap_deg(box.yaw_deg + 90.0))
-
-
-def _round(
-    table: Box, counts: tuple[int, int, int, int], size: tuple[float, float, float], room: str
-) -> Iterator[Item]:
-    """Chairs before the front, the back, and the ends of a table."""
-    length, depth, _ = table.size_m
-    number = 0
-    for turn, count in zip((180.0, 0.0, 90.0, -90.0), counts, strict=True):
-        edge, out = (length, depth) if turn in (0.0, 180.0) else (depth, length)
-        ahead = front_direction(turn + 180.0)
-        across = np.array([-ahead[1], ahead[0]])
-        for nth in range(count):
-            along = ((nth + 0.5) / count - 0.5) * edge
-            place = ahead * (out / 2 + CHAIR_OUT_M) + across * along
-            x, y = to_world(table, place)
-            own = Box((float(x), float(y), 0.0), size, wrap_deg(table.yaw_deg + turn))
-            yield Item(f"{room}/chair_{number}", "chair", own, room)
-            number += 1
-
-
-_PROPOSALS = {
-    "bedroom": (_bedsides, _wardrobe, _wardrobe_more),
-    "bathroom": (_shower, _basin),
-    "living": (_slid("tv_cabinet"), _coffee_table, _armchairs, _seats),
-    "dining": (_seats,),
-    "kitchen": (_seats,),
-}
-"""By kind of room, in order."""
+def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
+    """Those of some changes whose new pieces stand in no others and not in each other, before no
+    opening and within the room."""
+    there = {id(item): at for at, item in enumerate(view.items)}
+    stays = np.zeros((len(changes), len(view.items)), np.bool_)
+    new: list[Item] = []
+    change_of: list[int] = []
+    for nth, items in enumerate(changes):
+        for item in items:
+            at = there.get(id(item))
+            if at is None:
+                new.append(item)
+                change_of.append(nth)
+            else:
+                stays[nth, at] = True
+    if not new:
+        return list(changes)
+    fresh = View(view.shell, tuple(new))
+    deep = (fresh.rects.depths(view.rects) > TOUCH_M) & stays[change_of]
+    for one, at in np.argwhere(deep):
+        deep[one, at] = not overlaps_by_nature(new[one], view.items[at])
+    blocks = fresh.rects.depths(view.shell.clear) > TOUCH_M
+    blocks &= fresh.height[:, None] > view.shell.clear_from_m + TOUCH_M
+    number = np.array(change_of)
+    together = np.zeros(len(new), np.bool_)
+    for step in range(1, int(np.bincount(number).max())):
+        first = np.flatnonzero(number[:-step] == number[step:])
+        into = fresh.rects.of(first).depths_each(fresh.rects.of(first + step)) > TOUCH_M
+        for one in first[into].tolist():
+            together[one] |= not overlaps_by_nature(new[one], new[one + step])
+    wrong = together | deep.any(axis=1) | blocks.any(axis=1) | (beyond_walls(fresh) > TOUCH_M)
+    refused = set(number[wrong].tolist())
+    return [items for nth, items in enumerate(changes) if nth not in refused]

@@ -6,16 +6,20 @@ A piece moves or gets shorter by no more than MOST_M, and only where that leaves
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
-from chord_usd.base.metrics.design.price import conflicts
+from chord_usd.base.metrics.complete import lacking
+from chord_usd.base.metrics.design.price import conflicts, quick_price
 from chord_usd.base.metrics.design.shell import TOUCH_M
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, FloatArray
+
+T = TypeVar("T")
 
 MOST_M = 0.2
 TIMES = 6
@@ -42,6 +46,31 @@ def mended(view: View) -> View:
     return view
 
 
+def cleared(view: View) -> View:
+    """The draft without pieces that are still in others, before openings or in walls: they are left
+    out of any house. Of those in each other the one goes without which the room costs least; what a
+    room cannot do without stays before openings."""
+    shell = view.shell
+    while (deep := conflicts(view) > TOUCH_M).any():
+        needed = [len(lacking(shell.kind, shell.area_m2, _without(view.categories, at)))
+                  for at in range(len(view.items))]  # fmt: skip
+        least = len(lacking(shell.kind, shell.area_m2, view.categories))
+        clashing = {at for at in np.flatnonzero(deep.any(axis=1)).tolist()
+                    if needed[at] == least or deep[at, [0, 2]].any()}  # fmt: skip
+        for at in np.flatnonzero(deep[:, 0]).tolist():
+            clashing |= set(np.flatnonzero(view.depths[at] > TOUCH_M).tolist())
+        options = [View(shell, tuple(_without(view.items, at)), view.hung)
+                   for at in sorted(clashing)]  # fmt: skip
+        if not options:
+            break
+        view = min(options, key=quick_price)
+    return view
+
+
+def _without(values: Sequence[T], at: int) -> list[T]:
+    return [*values[:at], *values[at + 1 :]]
+
+
 def _best_change(view: View, at: int, deep: FloatArray) -> tuple[View, FloatArray] | None:
     """Of the piece, or else of those that it is in, the change that leaves least wrong."""
     best, least = None, float(deep.sum()) - TOUCH_M
@@ -55,7 +84,7 @@ def _best_change(view: View, at: int, deep: FloatArray) -> tuple[View, FloatArra
         for box in boxes:
             items = list(view.items)
             items[one] = replace(items[one], box=box)
-            tried = View(view.shell, tuple(items), view.screens)
+            tried = View(view.shell, tuple(items), view.hung)
             left = conflicts(tried)
             if left.sum() < least:
                 best, least = (tried, left), float(left.sum())

@@ -3,18 +3,16 @@ as a home."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 from chord_usd.base.metrics.complete import lacking
-from chord_usd.base.metrics.design.price import full_price, home_price, quick_price
+from chord_usd.base.metrics.design.price import FAULT, home_price, quick_price
 from chord_usd.base.metrics.design.shell import Shell, shells
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.scene.types import Item, Room, SceneGraph
-from chord_usd.line.lists.improve import improved
-from chord_usd.line.lists.mend import mended
+from chord_usd.line.lists.mend import cleared, mended
 from chord_usd.line.lists.wishes import Asked
 
 WEIGHED = 4
@@ -61,7 +59,7 @@ class Ranking:
             rooms = [self.rooms[at] for at in tried]
             faults = room_faults(replace(self.house, items=items), rooms, unpainted=True)
             for (at, draft), fault in zip(tried.items(), faults, strict=True):
-                priced = replace(draft, price=full_price(draft.view, fault))
+                priced = replace(draft, price=draft.price + FAULT * fault)
                 self._best.setdefault(at, []).append(priced)
             settled = {at: self._ranked(at)[0].items for at in self._best}
         for at in few:
@@ -83,6 +81,8 @@ class Ranking:
         few = []
         for draft in sorted(drafts, key=cost)[:MENDED]:
             view = mended(draft.view)
+            if not self.wishes[at].is_asked:
+                view = cleared(view)
             if view is not draft.view:
                 draft = replace(draft, items=view.items, view=view, price=quick_price(view))
             few.append(draft)
@@ -111,26 +111,7 @@ class Ranking:
             own = [draft for draft in own if draft.missing == own[0].missing]
             costs = [draft.price + home_price(self._home({**chosen, at: draft})) for draft in own]
             chosen[at] = own[costs.index(min(costs))]
-        front = self._standing.entrance.id if self._standing.entrance else ""
-        for at in sorted(chosen):
-            asked, draft = self.wishes[at], chosen[at]
-            if not (asked.wanted or asked.kept or asked.excluded):
-                view = improved(draft.view, partial(self._home_with, chosen, at), front)
-                chosen[at] = replace(draft, view=view, items=tuple(numbered(view.items)))
         return (item for at in sorted(chosen) for item in chosen[at].items)
-
-    def _home_with(self, chosen: Mapping[int, Draft], at: int, view: View) -> float:
-        """What the home costs with another draft of a room."""
-        return home_price(self._home({**chosen, at: replace(chosen[at], view=view)}))
-
-
-def numbered(items: Iterable[Item]) -> Iterator[Item]:
-    """The pieces of a room under ids that count each category from 0."""
-    counts: dict[str, int] = {}
-    for item in items:
-        number = counts.get(item.category, 0)
-        counts[item.category] = number + 1
-        yield replace(item, id=f"{item.room_id}/{item.category}_{number}")
 
 
 def _key(draft: Draft) -> tuple[int, float]:

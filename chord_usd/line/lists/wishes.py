@@ -78,6 +78,11 @@ class Asked:
     """Name of its prim."""
 
     @property
+    def is_asked(self) -> bool:
+        """Whether somebody decides about the room."""
+        return bool(self.wanted or self.excluded or self.kept)
+
+    @property
     def has_lengths(self) -> bool:
         """Whether a piece is wanted as long as a word says."""
         return any(piece.length_m != ANY_M for piece in self.wanted)

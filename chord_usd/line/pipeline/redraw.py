@@ -87,8 +87,7 @@ class Draw:
         if self.lists is None:
             return None
         from chord_usd.line.lists.house import Drafts, furnish_by_lists
-        from chord_usd.line.lists.pieces import CATEGORY_ORDER
-        from chord_usd.line.lists.wishes import Asked, Piece
+        from chord_usd.line.lists.wishes import Asked
 
         asked = {
             room.id: replace(
@@ -102,23 +101,20 @@ class Draw:
         ids = list(asked)
         listed = furnish_by_lists(graph.plan, self.lists, drafts, asked, ids, graph.items)
         kitchens = self._kitchens(listed, rooms, asked)
-        if not kitchens:
+        if not self.composes:
             return listed
-        from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
         from chord_usd.line.compose.kitchens import displaced, with_kitchens
+        from chord_usd.line.pipeline.put_back import put_back
 
-        again = {}
-        for room_id in displaced(listed, kitchens):
-            others = [one for one in listed.items_of(room_id) if one.category not in KITCHEN_UNITS]
-            stay = (*asked[room_id].kept, *kitchens[room_id])
-            pieces = tuple(Piece(item.category) for item in (*others, *kitchens[room_id]))
-            again[room_id] = Asked(pieces, frozenset(CATEGORY_ORDER), stay)
-        if again:
-            # What stood where units are now, around these.
-            ids = list(again)
-            listed = furnish_by_lists(graph.plan, self.lists, drafts, again, ids, listed.items)
         gone = {item.id for own in displaced(listed, kitchens).values() for item in own}
-        return with_kitchens(listed.without(gone), kitchens)
+        drawn = with_kitchens(listed.without(gone), kitchens)
+        decided = {room_id for room_id, own in asked.items() if own.is_asked}
+
+        def finish(house: SceneGraph) -> SceneGraph:
+            new = {item.id for item in house.items if item.room_id in asked.keys() - decided}
+            return arrange_drawn(house, self, new) if new else house
+
+        return put_back(finish(drawn), listed, asked, decided, finish)
 
     def _kitchens(
         self, house: SceneGraph, rooms: Sequence[Room], asked: Mapping[str, Asked]

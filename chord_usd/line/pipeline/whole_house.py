@@ -29,6 +29,7 @@ from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph,
 from chord_usd.line.pipeline import steps
 from chord_usd.line.pipeline.as_listed import as_listed
 from chord_usd.line.pipeline.loading import Models, load_models, with_networks
+from chord_usd.line.pipeline.put_back import put_back
 from chord_usd.line.pipeline.redraw import Draw, Mended, arrange_drawn, mend_rooms
 
 if TYPE_CHECKING:
@@ -195,7 +196,14 @@ def redraw(made: FurnishedStorey, progress: Progress) -> None:
     database = models.reader.database
     graph, made.layout = match_assets(made.mended.graph, database), made.mended.layout
     if settings.arrange:
-        graph = match_assets(arrange_drawn(graph, draw), database)
+
+        def finish(house: SceneGraph) -> SceneGraph:
+            return match_assets(arrange_drawn(match_assets(house, database), draw), database)
+
+        graph = finish(graph)
+        if made.listed is not None:
+            open_rooms = {room.id for room in graph.rooms} - draw.shut
+            graph = put_back(graph, made.listed, open_rooms, draw.asked, finish)
     draw.refuse_lacking(graph)
     made.graph = steps.in_style(with_networks(graph, settings), made.style)
 

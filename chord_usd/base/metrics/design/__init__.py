@@ -74,7 +74,7 @@ def judged_home(view: HomeView) -> Judged:
 def design_of(graphs: Sequence[SceneGraph], homely: Iterable[Homely] = ()) -> Design:
     """How a home is planned. graphs: its storeys, the lowest first. homely: of its rooms, whose
     "complete" and "right" are rows of the table, too."""
-    views = [view_home(graph) for graph in graphs]
+    views = [view_home(graph, is_dressed=True) for graph in graphs]
     rooms = tuple(room for view in views for room in view.rooms)
     front = next((view.entrance for view in views if view.entrance is not None), None)
     lived = {one.room: one for one in homely if one.is_judged}

@@ -10,6 +10,8 @@ from chord_usd.base.metrics.design.rule import Measured, Rule, flag
 from chord_usd.base.metrics.design.shell import Hole
 from chord_usd.base.metrics.design.view import DOUBLE_M, View, distances, sleepers_of
 
+WARDROBE_RULES = ("wardrobe", "wardrobe a sleeper", "before a wardrobe")
+"""Names of the rules by which bedrooms have place for clothes."""
 TALL_M = 1.5
 """A cabinet at least so high is a wardrobe."""
 _BESIDE_M = 0.35
@@ -209,9 +211,9 @@ RULES: tuple[Rule[View], ...] = (
     Rule("bed before a window", 0, "count", "planning guides", _blocks_window, at_most=True),
     Rule("feet towards a door", 0, "count", "planning guides", _feet_to_door, at_most=True),
     Rule("bed to a door", 0.80, "m", "planning guides", _door_near),
-    Rule("wardrobe", 1, "count", "HUD 1973", _has_wardrobe),
-    Rule("wardrobe a sleeper", 1.00, "m", "HUD 1973", _wardrobe_metres),
-    Rule("before a wardrobe", 0.75, "m", "AD M4(2)", _wardrobe_front),
+    Rule(WARDROBE_RULES[0], 1, "count", "HUD 1973", _has_wardrobe),
+    Rule(WARDROBE_RULES[1], 1.00, "m", "HUD 1973", _wardrobe_metres),
+    Rule(WARDROBE_RULES[2], 0.75, "m", "AD M4(2)", _wardrobe_front),
     Rule("before a wardrobe to dress", 0.91, "m", "HUD 1973", _wardrobe_front, weight=0.5),
     Rule("wardrobe before a window", 0, "count", "planning guides", _wardrobe_window,
          at_most=True),

@@ -17,6 +17,8 @@ from chord_usd.base.scene.types import FloatArray
 
 MOST_DINERS = 8
 HALL_M = 1.2
+LAUNDRY, TABLE, STORAGE = "laundry", "dining table", "storage in a store room"
+"""Names of rules that pieces which are added keep."""
 _STORAGE, _LAUNDRY = having("storage"), having("laundry")
 
 
@@ -107,9 +109,9 @@ def _wash(home: HomeView) -> Iterator[Measured]:
 RULES: tuple[Rule[HomeView], ...] = (
     Rule("what no home is without", 0, "count", "NDSS", _lacks, at_most=True, weight=2.0),
     Rule("wardrobe a sleeper", 1.00, "m", "HUD 1973", _wardrobe),
-    Rule("laundry", 1, "count", "DIN 18022", _count(*_LAUNDRY)),
+    Rule(LAUNDRY, 1, "count", "DIN 18022", _count(*_LAUNDRY)),
     Rule("diners without a seat", 0, "count", "HUD 1973", _diners, at_most=True),
-    Rule("dining table", 1, "count", "HUD 1973", _count("dining_table")),
+    Rule(TABLE, 1, "count", "HUD 1973", _count("dining_table")),
     Rule("television", 1, "count", "planning guides", _televisions),
     Rule("refrigerator", 1, "count", "NKBA 3", _count("refrigerator")),
     Rule("bath or shower", 1, "count", "DIN 18022", _wash),
@@ -122,5 +124,5 @@ RULES: tuple[Rule[HomeView], ...] = (
         _hall,
         at_most=True,
     ),
-    Rule("storage in a store room", 1, "count", "NDSS", _empty_stores, weight=0.5),
+    Rule(STORAGE, 1, "count", "NDSS", _empty_stores, weight=0.5),
 )

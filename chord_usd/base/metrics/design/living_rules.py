@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from chord_usd.base.metrics.design.rule import Measured, Rule, flag
+from chord_usd.base.metrics.design.screens import Screen
 from chord_usd.base.metrics.design.view import View, clipped
 from chord_usd.base.scene.palette import having
 
@@ -17,6 +18,10 @@ _SEAT_M, _ARMS_M = 0.62, 0.3
 
 def _id(view: View, *numbers: int) -> tuple[str, ...]:
     return tuple(view.items[at].id for at in numbers)
+
+
+def _seen(view: View, sofa: int, screen: Screen) -> tuple[str, ...]:
+    return (view.items[sofa].id, screen.id) if screen.id else (view.items[sofa].id,)
 
 
 def seats(view: View) -> int:
@@ -30,13 +35,13 @@ def _sofa(view: View) -> int | None:
     return max(view.of("sofa"), key=lambda at: view.length[at], default=None)
 
 
-def _television(view: View) -> int | None:
+def _television(view: View) -> Screen | None:
     """That nearest to the sofa."""
     sofa = _sofa(view)
     if sofa is None:
         return next(iter(view.televisions), None)
     return min(view.televisions, default=None,
-               key=lambda at: float(np.hypot(*(view.at[at] - view.at[sofa]))))  # fmt: skip
+               key=lambda one: float(np.hypot(*(one.at - view.at[sofa]))))  # fmt: skip
 
 
 def _has_sofa(view: View) -> Iterator[Measured]:
@@ -57,21 +62,21 @@ def _seats(view: View) -> Iterator[Measured]:
         yield Measured(seats(view), view.middle)
 
 
-def _turned(view: View) -> Iterator[tuple[int, int, float, float]]:
+def _turned(view: View) -> Iterator[tuple[int, Screen, float, float]]:
     """Sofa, television, how many degrees aside it is, and how far its screen."""
     sofa, screen = _sofa(view), _television(view)
     if sofa is None or screen is None:
         return
-    u, v = view.own(sofa, view.at[screen])
+    u, v = view.own(sofa, screen.at)
     angle = math.degrees(math.atan2(abs(u), v)) if v > 0 else 180.0
-    if float(view.front[sofa] @ view.front[screen]) >= -0.8:
+    if float(view.front[sofa] @ screen.front) >= -0.8:
         angle = 180.0
-    yield sofa, screen, angle, float(v - view.depth[screen] / 2)
+    yield sofa, screen, angle, float(v - screen.depth / 2)
 
 
 def _aside(view: View) -> Iterator[Measured]:
     for sofa, screen, angle, _ in _turned(view):
-        yield Measured(angle, view.point(screen), _id(view, sofa, screen))
+        yield Measured(angle, screen.point, _seen(view, sofa, screen))
     if _sofa(view) is None:
         yield Measured(math.inf, view.middle)
 
@@ -82,8 +87,8 @@ def _far(nearest: bool) -> Callable[[View], Iterator[Measured]]:
     def measure(view: View) -> Iterator[Measured]:
         for sofa, screen, angle, away in _turned(view):
             lost = 0.0 if nearest else math.inf
-            yield Measured(away if angle <= 35.0 else lost, view.point(screen),
-                           _id(view, sofa, screen))  # fmt: skip
+            yield Measured(away if angle <= 35.0 else lost, screen.point,
+                           _seen(view, sofa, screen))  # fmt: skip
         if _sofa(view) is None:
             yield Measured(0.0 if nearest else math.inf, view.middle)
 
@@ -91,17 +96,17 @@ def _far(nearest: bool) -> Callable[[View], Iterator[Measured]]:
 
 
 def _glare(view: View) -> Iterator[Measured]:
-    at = _television(view)
-    if at is not None:
-        half, back = view.length[at] / 2, view.depth[at] / 2
-        lit = any(clipped(view.own(at, hole.ends), (-half, half), (-back - 0.4, 0.1 - back)) > 0.3
+    screen = _television(view)
+    if screen is not None:
+        half, back = screen.length / 2, screen.depth / 2
+        lit = any(clipped(screen.own(hole.ends), (-half, half), (-back - 0.4, 0.1 - back)) > 0.3
                   for hole in view.shell.windows)  # fmt: skip
-        yield flag(lit, view.point(at), *_id(view, at))
+        yield flag(lit, screen.point, *([screen.id] if screen.id else []))
 
 
 def _bare(view: View) -> Iterator[Measured]:
-    """Cabinets for a television without one."""
-    bare = [at for at in view.of("tv_cabinet") if at not in view.televisions]
+    """Cabinets for a television without one, where no wall has it."""
+    bare = view.bare if not view.televisions else []
     yield flag(bool(bare), view.point(bare[0]) if bare else view.middle, *_id(view, *bare))
 
 

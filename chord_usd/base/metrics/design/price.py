@@ -101,11 +101,6 @@ def quick_price(view: View, faults: int | None = None) -> float:
     return broken_share(view) + _TIGHT * (tight(view) if faults is None else faults)
 
 
-def full_price(view: View, fault: float) -> float:
-    """What a room costs. fault: of violations.room_faults."""
-    return quick_price(view) + FAULT * fault
-
-
 def room_prices(graph: SceneGraph, faults: Mapping[str, float]) -> dict[str, float]:
     """What each room of a house costs, by id. faults: of violations.room_faults, by room id."""
     return {

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
 from chord_usd.base.metrics.clear_floor import (
     BORDER_M,
@@ -56,6 +57,22 @@ class Rects:
         """(N, M) how deep each reaches into each of others along the axes of both: the least move
         that parts them; 0 where they are apart."""
         deep = np.minimum(self._into(others), others._into(self).T)
+        found: FloatArray = np.maximum(deep, 0.0)
+        return found
+
+    def of(self, numbers: npt.NDArray[np.intp]) -> Rects:
+        """Those of these numbers."""
+        return Rects(*(own[numbers] for own in (self.at, self.right, self.front, self.half)))
+
+    def depths_each(self, others: Rects) -> FloatArray:
+        """(N,) how deep each reaches into the other of its number, as depths has it."""
+        deep = np.full(len(self.at), np.inf)
+        for one, two in ((self, others), (others, self)):
+            ahead = two.corners - one.at[:, None]
+            for axis, half in ((one.right, one.half[:, 0]), (one.front, one.half[:, 1])):
+                along = (ahead * axis[:, None]).sum(axis=2)
+                reach = half + np.minimum(-along.min(axis=1), along.max(axis=1))
+                deep = np.minimum(deep, reach)
         found: FloatArray = np.maximum(deep, 0.0)
         return found
 

@@ -9,14 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from itertools import islice
 
 import numpy as np
 
+from chord_usd.base.metrics.design.screens import Screen, places_on_walls
 from chord_usd.base.metrics.design.shell import TOUCH_M, Hole, Rects, Shell, shells
 from chord_usd.base.metrics.walk import entrance
 from chord_usd.base.scene.geometry import footprint, room_polygon
 from chord_usd.base.scene.palette import having
-from chord_usd.base.scene.types import BoolArray, FloatArray, Item, Opening, Room, SceneGraph
+from chord_usd.base.scene.types import BoolArray, Box, FloatArray, Item, Opening, Room, SceneGraph
 
 MOST_M = 4.0
 """Free floor is not measured farther."""
@@ -38,8 +40,8 @@ class View:
 
     shell: Shell
     items: tuple[Item, ...]
-    screens: frozenset[str] | None = None
-    """Ids of pieces with a television, where that is known."""
+    hung: tuple[Box, ...] | None = None
+    """Televisions on walls; None where nobody has hung any yet."""
     _near: dict[int, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -210,13 +212,21 @@ class View:
         return bool(abs((self.yaw[other] - self.yaw[at] + 180.0) % 360.0 - 180.0) < within_deg)
 
     @cached_property
-    def televisions(self) -> list[int]:
-        """Cabinets with a screen. Where nobody knows, all but those before a window, which are
-        bare (assets.database)."""
-        found = self.of("tv_cabinet")
-        if self.screens is not None:
-            return [at for at in found if self.items[at].id in self.screens]
-        return [at for at in found if not self.windows_behind(at, 0.3)]
+    def bare(self) -> list[int]:
+        """Cabinets for a television without one: those before a window (assets.database)."""
+        return [at for at in self.of("tv_cabinet") if self.windows_behind(at, 0.3)]
+
+    @cached_property
+    def televisions(self) -> list[Screen]:
+        """On cabinets and walls. A room that is not dressed yet gets one where a wall has a place
+        and no cabinet holds one."""
+        bare = self.bare
+        found = [Screen.of(self.items[at].box, self.items[at].id)
+                 for at in self.of("tv_cabinet") if at not in bare]  # fmt: skip
+        hung: Iterable[Box] = self.hung or ()
+        if self.hung is None and self.shell.kind == "living" and not found:
+            hung = islice(places_on_walls(self), 1)
+        return found + [Screen.of(box) for box in hung]
 
 
 def _spread(low: float, high: float, count: int) -> FloatArray:
@@ -274,15 +284,21 @@ def sleepers_of(room: View) -> int:
     return sum(2 if room.length[at] >= DOUBLE_M else 1 for at in room.of("bed"))
 
 
-def view_home(graph: SceneGraph, screens: frozenset[str] | None = None) -> HomeView:
-    """A house as rules see it. screens: ids of the cabinets with a television; None where nobody
-    knows."""
+def view_home(graph: SceneGraph, *, is_dressed: bool = False) -> HomeView:
+    """A house as rules see it. is_dressed: whether nothing more will hang on its walls."""
     plan = shells(graph.rooms, graph.openings)
     by_room: dict[str, list[Item]] = {room.id: [] for room in graph.rooms}
     for item in graph.items:
         if item.room_id in by_room:
             by_room[item.room_id].append(item)
-    views = tuple(View(plan[room.id], tuple(by_room[room.id]), screens) for room in graph.rooms)
+    hung: dict[str, tuple[Box, ...]] = {}
+    for item in graph.dressing:
+        if item.category == "television":
+            hung[item.room_id] = (*hung.get(item.room_id, ()), item.box)
+    views = tuple(
+        View(plan[room.id], tuple(by_room[room.id]), hung.get(room.id, () if is_dressed else None))
+        for room in graph.rooms
+    )
     return HomeView(views, _entrance(graph.rooms, graph.openings))
 
 

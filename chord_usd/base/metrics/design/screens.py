@@ -1,0 +1,110 @@
+"""Televisions: on cabinets, and on walls that a sofa faces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from chord_usd.base.scene.types import Box, FloatArray
+from chord_usd.base.scene.units import wrap_deg
+
+if TYPE_CHECKING:
+    from chord_usd.base.metrics.design.view import View
+
+SIZE_M = (1.1, 0.05, 0.64)
+"""Of a screen on a wall, as a room is planned."""
+BASE_M = 0.85
+SEEN_FROM_M = (1.85, 3.95)
+"""From the middle of the sofa."""
+MOST_ASIDE_DEG = 19.0
+_OPPOSED = -0.97
+_BESIDE_M = 0.1
+"""From a screen to an opening or to a piece that is higher than BASE_M."""
+_NEAR_WALL_M = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Screen:
+    """A television as rules see it."""
+
+    id: str
+    """Of its cabinet; empty for one on a wall."""
+    at: FloatArray
+    """(2,) its middle."""
+    right: FloatArray
+    front: FloatArray
+    """(2,) unit vectors."""
+    length: float
+    depth: float
+
+    @classmethod
+    def of(cls, box: Box, name: str = "") -> Screen:
+        """One of this size, or the cabinet that carries it."""
+        turn = math.radians(box.yaw_deg)
+        right = np.array([math.cos(turn), math.sin(turn)])
+        front = np.array([math.sin(turn), -math.cos(turn)])
+        return cls(name, np.array(box.center_m[:2]), right, front, *box.size_m[:2])
+
+    @property
+    def point(self) -> tuple[float, float]:
+        """In the world."""
+        return float(self.at[0]), float(self.at[1])
+
+    def own(self, points: FloatArray) -> FloatArray:
+        """(..., 2) points as u to its right and v to its front."""
+        ahead = points - self.at
+        return np.stack([ahead @ self.right, ahead @ self.front], axis=-1)
+
+
+def places_on_walls(view: View, size_m: tuple[float, float, float] = SIZE_M) -> Iterator[Box]:
+    """Where a screen may hang before the longest sofa, from the middle of its view outwards: clear
+    of openings, and of pieces higher than its lower edge."""
+    sofa = max(view.of("sofa"), key=lambda at: view.length[at], default=None)
+    if sofa is None:
+        return
+    found = []
+    for start, end in view.shell.walls:
+        long = float(np.hypot(*(end - start)))
+        along = (end - start) / max(long, 1e-6)
+        inward = np.array([-along[1], along[0]])
+        away = float((start - view.at[sofa]) @ view.front[sofa])
+        if inward @ view.front[sofa] > _OPPOSED or not (
+            SEEN_FROM_M[0] <= away - size_m[1] <= SEEN_FROM_M[1]
+        ):
+            continue
+        axis = float((view.at[sofa] - start) @ along)
+        half = size_m[0] / 2
+        for low, high in _free_spans(view, start, along, inward, long):
+            if high - low >= size_m[0]:
+                s = min(max(axis, low + half), high - half)
+                if math.degrees(math.atan2(abs(s - axis), away)) <= MOST_ASIDE_DEG:
+                    x, y = (start + along * s + inward * size_m[1] / 2).tolist()
+                    yaw = wrap_deg(math.degrees(math.atan2(inward[0], -inward[1])))
+                    found.append((abs(s - axis), Box((x, y, BASE_M), size_m, round(yaw, 6))))
+    yield from (box for _, box in sorted(found, key=lambda one: one[0]))
+
+
+def _free_spans(
+    view: View, start: FloatArray, along: FloatArray, inward: FloatArray, long: float
+) -> list[tuple[float, float]]:
+    """Stretches of a wall without openings and high pieces."""
+    lines = [hole.ends for hole in view.shell.holes]
+    lines += [view.corners[at] for at in range(len(view.items))
+              if view.stands[at] and view.height[at] > BASE_M]  # fmt: skip
+    spans = [(0.0, long)]
+    for points in lines:
+        s, v = (points - start) @ along, (points - start) @ inward
+        if v.min() > _NEAR_WALL_M or v.max() < -_NEAR_WALL_M:
+            continue
+        low, high = float(s.min()) - _BESIDE_M, float(s.max()) + _BESIDE_M
+        spans = [
+            (first, last)
+            for a, b in spans
+            for first, last in ((a, min(b, low)), (max(a, high), b))
+            if last > first
+        ]
+    return spans

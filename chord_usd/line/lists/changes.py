@@ -1,0 +1,305 @@
+"""Small changes to a room that may keep more planning rules: wardrobes as long as their sleepers
+need, pairs of bedside tables, showers that one can stand in, seats that face the group."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from chord_usd.base.metrics.complete import WALLED
+from chord_usd.base.metrics.design.bedroom_rules import bedside, wardrobes
+from chord_usd.base.metrics.design.dining_rules import chairs_of
+from chord_usd.base.metrics.design.shell import Hole
+from chord_usd.base.metrics.design.view import View, sleepers_of
+from chord_usd.base.places.wall_frames import Size, WallFrame
+from chord_usd.base.scene.geometry import front_direction, to_world
+from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.types import Box, Item
+from chord_usd.base.scene.units import wrap_deg
+from chord_usd.line.lists.pieces import TALL_M, WARDROBE_DEPTH_M
+
+WARDROBE_M = 0.6
+SHOWERS_M = (0.9, 0.8)
+TABLE_TO_SOFA_M = 0.4
+SLIDES_M = (0.3, 0.6, 0.9, 1.2)
+TABLES_M = (1.3, 1.6, 2.0)
+SEAT_M = 0.62
+"""Of a table's edge."""
+CHAIR_OUT_M = 0.25
+"""From the table's edge to the middle of a chair."""
+SHOES_M = (0.8, 0.3, 1.1)
+NEAR_DOOR_M = 3.0
+MOST_PLACES = 10
+WALL_STEP_M = 0.3
+SHARES = (1.0, 0.85, 0.7)
+"""Of its length, that a piece at a wall is placed again with."""
+NEAR_M = (0.1, 0.2, 0.35, 0.5)
+"""Steps from where a piece stood."""
+
+Change = tuple[Item, ...]
+"""All pieces of a room after a change."""
+Propose = Callable[[View], Iterator[Change]]
+
+
+def placed_again(lost: Item) -> Propose:
+    """A piece that is no longer there: near where it stood, or else, in shorter sizes too, at a
+    wall."""
+
+    def propose(view: View) -> Iterator[Change]:
+        for box in _near(lost.box):
+            yield (*view.items, replace(lost, box=box))
+        if lost.category not in WALLED:
+            return
+        length, depth, height = lost.box.size_m
+        least = CATEGORIES[lost.category].length_m[0]
+        for share in SHARES:
+            if length * share >= least:
+                for box in at_walls(view, (length * share, depth, height)):
+                    yield (*view.items, replace(lost, box=box))
+
+    return propose
+
+
+def _near(box: Box) -> Iterator[Box]:
+    """The same place, and places a step away along each of its axes."""
+    yield box
+    for step in NEAR_M:
+        for u, v in ((step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)):
+            yield _resized(box, *box.size_m[:2], u, v)
+
+
+def at_walls(view: View, size: Size, step_m: float = WALL_STEP_M) -> Iterator[Box]:
+    """A piece of this size with its back to each wall, every step_m."""
+    for start, end in view.shell.walls:
+        yield from WallFrame.between(start, end).boxes(size, step_m)
+
+
+def shoes(view: View, door: Hole) -> Iterator[Change]:
+    """A shoe cabinet at a wall by the front door, the nearest places first."""
+    if view.of("shoe_cabinet"):
+        return
+    places = [(float(np.hypot(*(np.array(box.center_m[:2]) - door.middle))), nth, box)
+              for nth, box in enumerate(at_walls(view, SHOES_M))]  # fmt: skip
+    for away, _, box in sorted(places, key=lambda one: one[:2])[:MOST_PLACES]:
+        if away < NEAR_DOOR_M:
+            yield (*view.items, new_piece(view, "shoe_cabinet", box))
+
+
+def new_piece(view: View, category: str, box: Box, number: int = 0) -> Item:
+    room = view.shell.room.id
+    return Item(f"{room}/{category}_new_{number}", category, box, room)
+
+
+def _with(view: View, at: int, box: Box) -> Change:
+    items = list(view.items)
+    items[at] = replace(items[at], box=box)
+    return tuple(items)
+
+
+def _resized(box: Box, length: float, depth: float, u: float, v: float) -> Box:
+    """Another size about a point of its own frame, y to the back."""
+    x, y = to_world(box, (u, v))
+    return replace(box, center_m=(float(x), float(y), box.center_m[2]),
+                   size_m=(length, depth, box.size_m[2]))  # fmt: skip
+
+
+def _grown(box: Box, length: float, depth: float) -> Iterator[Box]:
+    """A piece of another size with its back where it is: to the left, to both sides, to the
+    right."""
+    back = (box.size_m[1] - depth) / 2
+    for share in (-0.5, 0.0, 0.5):
+        yield _resized(box, length, depth, share * (length - box.size_m[0]), back)
+
+
+def _wardrobe(view: View) -> Iterator[Change]:
+    """The longest cabinet, deep and long enough to hang clothes for all."""
+    cabinets = view.of("cabinet")
+    if not cabinets:
+        return
+    at = max(cabinets, key=lambda one: (view.depth[one] >= WARDROBE_DEPTH_M, view.length[one]))
+    others = sum(view.length[one] for one in wardrobes(view) if one != at)
+    most = CATEGORIES["cabinet"].length_m[1]
+    needed = float(np.clip(sleepers_of(view) - others, view.length[at], most))
+    depth = max(float(view.depth[at]), WARDROBE_M)
+    tall = replace(view.items[at].box, size_m=(*view.items[at].box.size_m[:2], TALL_M))
+    lengths = np.arange(needed, view.length[at] - 0.01, -0.2).tolist()
+    for length in (*lengths, float(view.length[at])):
+        for box in _grown(tall, length, depth):
+            yield _with(view, at, box)
+
+
+def _wardrobe_more(view: View) -> Iterator[Change]:
+    """Another wardrobe, for those who have none."""
+    there = float(view.length[wardrobes(view)].sum())
+    missing = sleepers_of(view) - there
+    if missing <= 0.05:
+        return
+    for length in dict.fromkeys((max(missing, 0.8), 0.8)):
+        for box in at_walls(view, (min(length, 2.4), WARDROBE_M, TALL_M)):
+            yield (*view.items, new_piece(view, "cabinet", box))
+
+
+def _bedsides(view: View) -> Iterator[Change]:
+    """Tables of one size on both sides of the bed, at its head."""
+    for bed in view.of("bed")[:1]:
+        tables = bedside(view, bed)
+        sizes = [view.items[at].box.size_m for at in tables] or [(0.45, 0.4, 0.5)]
+        box = view.items[bed].box
+        rest = tuple(item for at, item in enumerate(view.items) if at not in tables)
+        for size in (*sizes, (0.4, 0.4, 0.5)):
+            pair = beside_bed(view, box, size)
+            yield (*rest, *pair)
+            for one in pair:
+                yield (*rest, one)
+
+
+def beside_bed(view: View, bed: Box, size: Size) -> list[Item]:
+    """Tables on both sides of a bed, at its head."""
+    back = (bed.size_m[1] - size[1]) / 2
+    pair = []
+    for nth, side in enumerate((-1, 1)):
+        x, y = to_world(bed, (side * (bed.size_m[0] + size[0]) / 2, back))
+        own = Box((float(x), float(y), 0.0), size, bed.yaw_deg)
+        pair.append(new_piece(view, "bedside_table", own, nth))
+    return pair
+
+
+def _shower(view: View) -> Iterator[Change]:
+    """As large as one stands in well, one of its corners or ends in place."""
+    for at in view.of("shower")[:1]:
+        box = view.items[at].box
+        for side in SHOWERS_M:
+            length, depth = max(box.size_m[0], side), max(box.size_m[1], side)
+            for grown in _grown(box, length, depth):
+                yield _with(view, at, grown)
+
+
+def _basin(view: View) -> Iterator[Change]:
+    for at in view.of("washbasin")[:1]:
+        box = view.items[at].box
+        for length in (0.6, 0.5):
+            yield from (_with(view, at, one) for one in _grown(box, length, box.size_m[1]))
+
+
+def _coffee_table(view: View) -> Iterator[Change]:
+    """The table before the middle of the sofa, in easy reach."""
+    sofas, tables = view.of("sofa"), view.of("coffee_table")
+    if not sofas:
+        return
+    sofa = max(sofas, key=lambda at: view.length[at])
+    box = view.items[sofa].box
+    size = view.items[tables[0]].box.size_m if tables else (0.9, 0.55, 0.42)
+    ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + size[1] / 2)
+    x, y = to_world(box, (0.0, ahead))
+    own = Box((float(x), float(y), 0.0), size, box.yaw_deg)
+    if tables:
+        yield _with(view, tables[0], own)
+    else:
+        yield (*view.items, new_piece(view, "coffee_table", own))
+
+
+def _armchairs(view: View) -> Iterator[Change]:
+    """Armchairs at both ends of the coffee table, turned to it."""
+    sofas, tables = view.of("sofa"), view.of("coffee_table")
+    if not sofas:
+        return
+    sofa = max(sofas, key=lambda at: view.length[at])
+    box = view.items[sofa].box
+    focus = tables[0] if tables else sofa
+    u, v = view.own(sofa, view.at[focus])
+    chairs = view.of("single_sofa", "leisure_sofa")
+    size = view.items[chairs[0]].box.size_m if chairs else (0.8, 0.8, 0.85)
+    category = view.categories[chairs[0]] if chairs else "single_sofa"
+    rest = tuple(item for at, item in enumerate(view.items) if at not in chairs)
+    reach = max(float(view.length[sofa]), float(view.length[focus])) / 2 + size[1] / 2
+    seats = []
+    for nth, side in enumerate((-1, 1)):
+        for out in (0.1, 0.4):
+            x, y = to_world(box, (u + side * (reach + out), -v - 0.1))
+            yaw = wrap_deg(box.yaw_deg - 90.0 * side)
+            own = Box((float(x), float(y), 0.0), size, yaw)
+            seats.append((side, new_piece(view, category, own, nth)))
+    for _, seat in seats:
+        yield (*rest, seat)
+    for one_side, one in seats:
+        for other_side, other in seats:
+            if one_side < other_side:
+                yield (*rest, one, other)
+    for at in chairs:
+        yield tuple(item for number, item in enumerate(view.items) if number != at)
+
+
+def _slid(category: str) -> Callable[[View], Iterator[Change]]:
+    def propose(view: View) -> Iterator[Change]:
+        """A piece farther along its wall, as off a window."""
+        for at in view.of(category)[:1]:
+            box = view.items[at].box
+            for length in {float(box.size_m[0]), min(1.2, float(box.size_m[0]))}:
+                for step in (0.0, *SLIDES_M):
+                    for side in (-1, 1):
+                        yield _with(view, at, _resized(box, length, box.size_m[1], side * step, 0))
+
+    return propose
+
+
+def _seats(view: View) -> Iterator[Change]:
+    """As many chairs or more, spread evenly along the sides of the table."""
+    for table in view.of("dining_table")[:1]:
+        chairs = chairs_of(view, table)
+        box, room = view.items[table].box, view.shell.room.id
+        size = view.items[chairs[0]].box.size_m if chairs else (0.45, 0.5, 0.9)
+        rest = tuple(item for at, item in enumerate(view.items) if at not in chairs)
+        for top in _tables(box):
+            others = [replace(one, box=top) if one is view.items[table] else one for one in rest]
+            for counts in sized_round(top):
+                if sum(counts) >= max(2, len(chairs)):
+                    yield (*others, *round_table(top, counts, size, room))
+
+
+def sized_round(top: Box) -> Iterator[tuple[int, int, int, int]]:
+    """How many chairs stand before the front, the back, and the ends of a table."""
+    long, deep = int(top.size_m[0] / SEAT_M), int(top.size_m[1] / SEAT_M)
+    yield (long, long, min(deep, 1), min(deep, 1))
+    yield (long, long, 0, 0)
+    yield (long, 0, 1, 1)
+    yield (long, 0, 0, 0)
+
+
+def _tables(box: Box) -> Iterator[Box]:
+    """The table as it is, and in other lengths, also turned."""
+    yield box
+    for length in TABLES_M:
+        size = (length, max(box.size_m[1], 0.8), box.size_m[2])
+        yield replace(box, size_m=size)
+        yield replace(box, size_m=size, yaw_deg=wrap_deg(box.yaw_deg + 90.0))
+
+
+def round_table(
+    table: Box, counts: tuple[int, int, int, int], size: tuple[float, float, float], room: str
+) -> Iterator[Item]:
+    """Chairs before the front, the back, and the ends of a table."""
+    length, depth, _ = table.size_m
+    number = 0
+    for turn, count in zip((180.0, 0.0, 90.0, -90.0), counts, strict=True):
+        edge, out = (length, depth) if turn in (0.0, 180.0) else (depth, length)
+        ahead = front_direction(turn + 180.0)
+        across = np.array([-ahead[1], ahead[0]])
+        for nth in range(count):
+            along = ((nth + 0.5) / count - 0.5) * edge
+            place = ahead * (out / 2 + CHAIR_OUT_M) + across * along
+            x, y = to_world(table, place)
+            own = Box((float(x), float(y), 0.0), size, wrap_deg(table.yaw_deg + turn))
+            yield Item(f"{room}/chair_{number}", "chair", own, room)
+            number += 1
+
+
+BY_KIND = {
+    "bedroom": (_bedsides, _wardrobe, _wardrobe_more),
+    "bathroom": (_shower, _basin),
+    "living": (_slid("tv_cabinet"), _coffee_table, _armchairs, _seats),
+    "dining": (_seats,),
+    "kitchen": (_seats,),
+}
+"""By kind of room, in order."""

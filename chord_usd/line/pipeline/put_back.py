@@ -1,0 +1,154 @@
+"""What settling and painting lost: pieces that lists placed are placed again on free floor, and
+what rooms and home then lack by planning rules is added, where nothing gets worse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import count
+
+import numpy as np
+
+from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
+from chord_usd.base.metrics.design.price import home_price
+from chord_usd.base.metrics.design.view import View, view_home
+from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
+from chord_usd.base.metrics.violations import room_faults
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.palette import Mount, category
+from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
+from chord_usd.line.lists.changes import placed_again
+from chord_usd.line.lists.improve import improved
+from chord_usd.line.lists.moves import changes_of
+
+RULE = "placed again"
+"""Name of the edit in pieces that were added or changed."""
+
+_ROUNDS = 2
+"""Of changes to a room: one may make place for another."""
+_BESIDE_M = 0.3
+"""Rooms no farther away share walls or open borders with a room."""
+
+
+def put_back(
+    graph: SceneGraph,
+    listed: SceneGraph,
+    rooms: Collection[str],
+    decided: Collection[str],
+    finish: Callable[[SceneGraph], SceneGraph],
+) -> SceneGraph:
+    """The finished house with lost pieces in their rooms.
+
+    listed: the pieces of lists. rooms: ids of those that are looked at. decided: of these where
+    somebody else says what they hold: nothing but lost pieces is added. finish: leaves out what
+    must not stand; a room that it takes pieces from stays as it was.
+    """
+    home = view_home(graph)
+    clear = ClearFloors(list(clearances(graph.rooms, graph.openings)))
+    made = {room.id: tuple(graph.items_of(room.id)) for room in graph.rooms}
+    for at, view in enumerate(home.rooms):
+        room = view.shell.room
+        if room.id not in rooms:
+            continue
+
+        def cost(own: View, at: int = at) -> float:
+            rooms = (*home.rooms[:at], own, *home.rooms[at + 1 :])  # noqa: B023
+            return home_price(replace(home, rooms=rooms))  # noqa: B023
+
+        permits = _Permits(graph, room, made)
+        again = (placed_again(item) for item in lost(view.items, listed.items_of(room.id)))
+        better = improved(view, cost, again, permits, gain=0.0)
+        for _ in range(0 if room.id in decided else _ROUNDS):
+            there, better = better, improved(better, cost, changes_of(better, home), permits)
+            if better is there:
+                break
+        if better is not view:
+            made[room.id] = tuple(_anew(room, view.items, better.items, clear))
+            own = View(view.shell, made[room.id], view.hung)
+            home = replace(home, rooms=(*home.rooms[:at], own, *home.rooms[at + 1 :]))
+    return _finished(graph, made, finish)
+
+
+def _finished(
+    graph: SceneGraph,
+    made: dict[str, tuple[Item, ...]],
+    finish: Callable[[SceneGraph], SceneGraph],
+) -> SceneGraph:
+    """The house with these pieces by room id; rooms that do not keep them all stay as they were."""
+    roomless = [item for item in graph.items if item.room_id not in made]
+    items = (*(item for own in made.values() for item in own), *roomless)
+    there = {item.id for item in graph.items}
+    finished = finish(replace(graph, items=items))
+    left = {item.id for item in finished.items}
+    torn = {item.room_id for item in items if item.id not in left}
+    if not torn or {item.id for item in items} == there:
+        return finished
+    kept = {room_id: tuple(graph.items_of(room_id)) if room_id in torn else own
+            for room_id, own in made.items()}  # fmt: skip
+    return finish(replace(graph, items=(*(i for own in kept.values() for i in own), *roomless)))
+
+
+def lost(there: Iterable[Item], listed: Iterable[Item]) -> list[Item]:
+    """Listed pieces that no piece of their category stands for, but panels and kitchen units."""
+    left = list(there)
+    found = []
+    for item in listed:
+        if item.category in KITCHEN_UNITS or category(item.category).mount is not Mount.FLOOR:
+            continue
+        same = [one for one in left if one.category == item.category]
+        if same:
+            left.remove(min(same, key=lambda one: _away_m(one, item)))
+        else:
+            found.append(item)
+    return found
+
+
+def _away_m(one: Item, other: Item) -> float:
+    return float(np.hypot(*np.subtract(one.box.center_m[:2], other.box.center_m[:2])))
+
+
+def _anew(
+    room: Room, before: Sequence[Item], after: Sequence[Item], clear: ClearFloors
+) -> Iterator[Item]:
+    """The pieces of a room; new ones get ids of their own, and changed ones lose their meshes."""
+    old = {item.id: item for item in before}
+    same = {id(item) for item in before}
+    taken = {item.id for item in after if id(item) in same}
+    for item in after:
+        if id(item) in same:
+            yield item
+            continue
+        was = old.get(item.id) if item.id not in taken else None
+        name = item.id if was else next(
+            one for n in count() if (one := f"{room.id}/{item.category}_{n}") not in taken | {*old}
+        )  # fmt: skip
+        taken.add(name)
+        edits = (*item.facts.edits, Edit(RULE, was.box if was else item.box))
+        facts = replace(item.facts, source_px=(), asset_distance_m=None, below_sill_m=None,
+                        edits=edits)  # fmt: skip
+        yield clear.below_sill(replace(item, id=name, asset=None, facts=facts))
+
+
+class _Permits:
+    """Whether with these pieces no more is wrong in a room and those beside it than was."""
+
+    def __init__(
+        self, graph: SceneGraph, room: Room, standing: dict[str, tuple[Item, ...]]
+    ) -> None:
+        floor = room_polygon(room)
+        near = [one for one in graph.rooms if room_polygon(one).dwithin(floor, _BESIDE_M)]
+        items = tuple(item for one in near if one.id != room.id for item in standing[one.id])
+        self._around = replace(graph, rooms=tuple(near), items=items, dressing=())
+        self._own = standing[room.id]
+
+    @cached_property
+    def _most(self) -> float:
+        return self._faults(self._own)
+
+    def _faults(self, items: Sequence[Item]) -> float:
+        house = replace(self._around, items=(*self._around.items, *items))
+        return sum(room_faults(house, house.rooms))
+
+    def __call__(self, view: View) -> bool:
+        return self._faults(view.items) <= self._most
