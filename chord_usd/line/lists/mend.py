@@ -14,7 +14,7 @@ import numpy as np
 
 from chord_usd.base.metrics.complete import lacking
 from chord_usd.base.metrics.design.price import conflicts, quick_price
-from chord_usd.base.metrics.design.shell import TOUCH_M
+from chord_usd.base.metrics.design.shell import TOUCH_M, Shell
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, FloatArray
@@ -49,22 +49,25 @@ def mended(view: View) -> View:
 def cleared(view: View) -> View:
     """The draft without pieces that are still in others, before openings or in walls: they are left
     out of any house. Of those in each other the one goes without which the room costs least; what a
-    room cannot do without stays before openings."""
-    shell = view.shell
+    room cannot do without stays."""
     while (deep := conflicts(view) > TOUCH_M).any():
-        needed = [len(lacking(shell.kind, shell.area_m2, _without(view.categories, at)))
-                  for at in range(len(view.items))]  # fmt: skip
-        least = len(lacking(shell.kind, shell.area_m2, view.categories))
-        clashing = {at for at in np.flatnonzero(deep.any(axis=1)).tolist()
-                    if needed[at] == least or deep[at, [0, 2]].any()}  # fmt: skip
-        for at in np.flatnonzero(deep[:, 0]).tolist():
-            clashing |= set(np.flatnonzero(view.depths[at] > TOUCH_M).tolist())
-        options = [View(shell, tuple(_without(view.items, at)), view.hung)
-                   for at in sorted(clashing)]  # fmt: skip
+        least = _needed(view.shell, view.categories)
+        options = []
+        for at in np.flatnonzero(deep.any(axis=1)).tolist():
+            others = np.flatnonzero(view.depths[at] > TOUCH_M).tolist() if deep[at, 0] else []
+            for one in (at, *others):
+                left = View(view.shell, tuple(_without(view.items, one)), view.hung)
+                if _needed(view.shell, left.categories) >= least:
+                    options.append(left)
         if not options:
             break
         view = min(options, key=quick_price)
     return view
+
+
+def _needed(shell: Shell, categories: Sequence[str]) -> int:
+    """How much of what its room cannot do without is there; a bed is never done without."""
+    return ("bed" in categories) - len(lacking(shell.kind, shell.area_m2, categories))
 
 
 def _without(values: Sequence[T], at: int) -> list[T]:
