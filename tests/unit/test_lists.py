@@ -32,6 +32,7 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.line.lists import pieces
+from chord_usd.line.lists.changes import placed_again
 from chord_usd.line.lists.home_programme import programme_of
 from chord_usd.line.lists.house import Drafts, furnish_by_lists
 from chord_usd.line.lists.improve import improved
@@ -320,7 +321,7 @@ def test_people_sleep_in_the_living_room_of_a_studio_only(
     rooms = [Room("living", "living", corners)]
     rooms += [Room(kind, kind, frozen_array(corners * 0.4 + (6.5, 2 * at)))
               for at, kind in enumerate(others)]  # fmt: skip
-    house = furnish_by_lists(Plan(tuple(rooms), ()), lister, Drafts(seed=3, count=8))
+    house = furnish_by_lists(Plan(tuple(rooms), ()), lister, Drafts(seed=4, count=8))
     has_bed = any(item.category == "bed" for item in house.items_of("living"))
     assert has_bed == ("corridor" not in others)
 
@@ -376,3 +377,37 @@ def test_a_step_into_a_wall_or_another_piece_is_mended() -> None:
     assert conflicts(after).max() < 0.01
     moved = np.abs(after.at - view.at)
     assert moved.max() < 0.3
+
+
+def _living(items: Sequence[tuple[str, Box]], *openings: Opening) -> View:
+    room = Room("room", "living", frozen_array([(0, 0), (5, 0), (5, 4), (0, 4)]))
+    own = tuple(
+        Item(f"room/{name}_{at}", name, box, "room") for at, (name, box) in enumerate(items)
+    )
+        Item(f"room/{name}_{at}", name, box, "room") for at, (name, box) in enumerate(items)
+    )
+    return View(shells((room,), openings)["room"], own)
+
+
+_SOFA = ("sofa", Box((2.5, 3.5, 0.0), (2.0, 0.9, 0.8), 0.0))
+
+
+def test_what_was_lost_is_placed_again_on_free_floor() -> None:
+    there = ("cabinet", Box((0.3, 2.0, 0.0), (1.2, 0.5, 0.9), 90.0))
+    view = _living([_SOFA, there])
+    lost = [Item("room/cabinet_9", "cabinet", Box((0.3, 1.4, 0.0), (1.2, 0.5, 0.9), 90.0), "room")]
+    after = improved(view, lambda _: 0.0, [placed_again(lost[0])], gain=0.0)
+    assert len(after.of("cabinet")) == 2
+    assert tight(after) == 0
+    assert after.items[:2] == view.items
+
+
+def test_a_television_hangs_where_its_cabinet_would_stand_before_a_window() -> None:
+    window = Opening("w", "window", Box((2.0, -0.12, 0.9), (1.2, 0.24, 1.2), 0.0), ("room",))
+    cabinet = ("tv_cabinet", Box((2.2, 0.2, 0.0), (1.6, 0.4, 0.5), 180.0))
+    view = _living([_SOFA, cabinet], window)
+    (screen,) = view.televisions
+    assert view.bare == [1]
+    assert not screen.id
+    assert screen.at[0] - screen.length / 2 > 2.6, "beside the window"
+    assert abs(screen.at[1]) < 0.1, "on the wall that the sofa faces"

@@ -51,13 +51,13 @@ def cleared(view: View) -> View:
     out of any house. Of those in each other the one goes without which the room costs least; what a
     room cannot do without stays."""
     while (deep := conflicts(view) > TOUCH_M).any():
-        least = _needed(view.shell, view.categories)
+        least = needed_there(view.shell, view.categories)
         options = []
         for at in np.flatnonzero(deep.any(axis=1)).tolist():
             others = np.flatnonzero(view.depths[at] > TOUCH_M).tolist() if deep[at, 0] else []
             for one in (at, *others):
                 left = View(view.shell, tuple(_without(view.items, one)), view.hung)
-                if _needed(view.shell, left.categories) >= least:
+                if needed_there(view.shell, left.categories) >= least:
                     options.append(left)
         if not options:
             break
@@ -65,7 +65,7 @@ def cleared(view: View) -> View:
     return view
 
 
-def _needed(shell: Shell, categories: Sequence[str]) -> int:
+def needed_there(shell: Shell, categories: Sequence[str]) -> int:
     """How much of what its room cannot do without is there; a bed is never done without."""
     return ("bed" in categories) - len(lacking(shell.kind, shell.area_m2, categories))
 

@@ -12,7 +12,7 @@ from chord_usd.base.metrics.design.shell import Shell, shells
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.scene.types import Item, Room, SceneGraph
-from chord_usd.line.lists.mend import cleared, mended
+from chord_usd.line.lists.mend import cleared, mended, needed_there
 from chord_usd.line.lists.wishes import Asked
 
 WEIGHED = 4
@@ -76,7 +76,8 @@ class Ranking:
 
         def cost(draft: Draft) -> tuple[int, float]:
             home = self._home({**chosen, at: draft})
-            return draft.missing, draft.price + home_price(home)
+            there = needed_there(draft.view.shell, draft.view.categories)
+            return draft.missing, draft.price + home_price(home) - FAULT * there
 
         few = []
         for draft in sorted(drafts, key=cost)[:MENDED]:
