@@ -384,8 +384,6 @@ def _living(items: Sequence[tuple[str, Box]], *openings: Opening) -> View:
     own = tuple(
         Item(f"room/{name}_{at}", name, box, "room") for at, (name, box) in enumerate(items)
     )
-        Item(f"room/{name}_{at}", name, box, "room") for at, (name, box) in enumerate(items)
-    )
     return View(shells((room,), openings)["room"], own)
 
 
