@@ -104,7 +104,7 @@ class Draw:
         if not self.composes:
             return listed
         from chord_usd.line.compose.kitchens import displaced, with_kitchens
-        from chord_usd.line.pipeline.put_back import put_back
+        from chord_usd.line.lists.put_back import put_back
 
         gone = {item.id for own in displaced(listed, kitchens).values() for item in own}
         drawn = with_kitchens(listed.without(gone), kitchens)

@@ -29,7 +29,6 @@ from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph,
 from chord_usd.line.pipeline import steps
 from chord_usd.line.pipeline.as_listed import as_listed
 from chord_usd.line.pipeline.loading import Models, load_models, with_networks
-from chord_usd.line.pipeline.put_back import put_back
 from chord_usd.line.pipeline.redraw import Draw, Mended, arrange_drawn, mend_rooms
 
 if TYPE_CHECKING:
@@ -202,6 +201,8 @@ def redraw(made: FurnishedStorey, progress: Progress) -> None:
 
         graph = finish(graph)
         if made.listed is not None:
+            from chord_usd.line.lists.put_back import put_back
+
             open_rooms = {room.id for room in graph.rooms} - draw.shut
             graph = put_back(graph, made.listed, open_rooms, draw.asked, finish)
     draw.refuse_lacking(graph)
