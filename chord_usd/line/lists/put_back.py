@@ -20,7 +20,7 @@ from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
 from chord_usd.line.lists.changes import placed_again
 from chord_usd.line.lists.improve import improved
-from chord_usd.line.lists.moves import changes_of
+from chord_usd.line.lists.other_places import changes_of
 
 RULE = "placed again"
 """Name of the edit in pieces that were added or changed."""
