@@ -52,7 +52,8 @@ LINE = ("cli", "api", "standby", "commands", "pipeline", "pipeline.planner")
 ALLOWED: dict[str, set[str]] = {
     **{part: set(BASE[:index]) for index, part in enumerate(BASE)},
     **{step: set() for step in STEPS},
-    "arrange": {"graph", "stage"},
+    "arrange": {"graph", "stage", "library"},
+    "stage": {"library"},
     "dressing": {"library"},
     "library": set(),
     "data": {"library", "compose", "lists"},

@@ -5,7 +5,7 @@ Each function adds boxes with their reason to a TakenSpace.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from chord_usd.base.metrics.clear_floor import WAY_M, clearance_boxes, is_open_border
 from chord_usd.base.metrics.fronts import FRONT, STRIP_M, USED_SIDES, floor_before
 from chord_usd.base.metrics.walk import WALKER_RADIUS_M
+from chord_usd.base.places.swept import Leaf, swept_box
 from chord_usd.base.places.taken_space import TOUCH_M, TakenSpace
 from chord_usd.base.places.wall_frames import WallFace
 from chord_usd.base.raster.relief import Relief
@@ -68,6 +69,15 @@ def take_fronts(taken: TakenSpace, pieces: Iterable[Item]) -> None:
         floor = floor_before(item.box, FRONT, 0.0, depth_m)
         low = replace(floor, size_m=(*floor.size_m[:2], _KNEE_M))
         taken.add(low, "front", item.id)
+
+
+def take_swings(
+    taken: TakenSpace, pieces: Iterable[Item], leaves_of: Callable[[Item], Sequence[Leaf]]
+) -> None:
+    """Take what doors, drawers and flaps of furniture pass on their way."""
+    for item in pieces:
+        for leaf in leaves_of(item):
+            taken.add(swept_box(leaf, item.box), "swing", item.id)
 
 
 def _risen(item: Item, relief: Relief) -> Box | None:

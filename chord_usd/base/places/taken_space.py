@@ -13,10 +13,10 @@ from chord_usd.base.scene.types import Box, FloatArray
 TOUCH_M = 0.001
 """Boxes that share no more than this touch."""
 
-Reason = Literal["piece", "dressing", "rug", "clear", "pane", "open", "front"]
+Reason = Literal["piece", "dressing", "rug", "clear", "pane", "open", "front", "swing"]
 """What takes space: furniture and what stands on it; dressing; what lies underfoot; what doors keep
 clear; a window's hole and what it keeps clear; a side of a room without a wall; the floor before
-the front of a piece."""
+the front of a piece; what its doors and drawers pass."""
 
 
 STOOD_ON_M = 0.005

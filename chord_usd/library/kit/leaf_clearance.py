@@ -1,11 +1,14 @@
 """Clearance of what opens: leaves are set in, so that they pass whatever stands beside them.
 
 A leaf that hangs at the edge of its face sweeps its free edge outwards: by 3 mm, where it is 60 mm
-thick and 0.6 m wide. A neighbour that stands flush then stops it after three degrees.
+thick and 0.6 m wide. A neighbour that stands flush then stops it after three degrees. A door that
+hangs at a side of its piece stops before its handle passes that side, as hinges with a stop do: a
+wall or a taller neighbour is there in every second place.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -21,6 +24,12 @@ if TYPE_CHECKING:
 
 CLEAR_M = 0.003
 """What stays free between a leaf and its neighbours, wherever the leaf is on its way."""
+
+_AT_SIDE_M = 0.05
+"""A door whose hinge is no farther from a side of its piece hangs at that side."""
+
+_STOP_DEG = 0.5
+"""Doors stop at multiples of it."""
 
 _BESIDE_M = 0.001
 """Boxes that overlap by less across a gap do not face each other."""
@@ -78,7 +87,10 @@ def with_clearance(parts: tuple[Part, ...], size_m: Sequence[float]) -> tuple[Pa
         others = [other for other in shut if other is not one]
         bounds = _set_in(one, still, others, envelope)
         factor = (bounds[1] - bounds[0]) / (one.bounds_m[1] - one.bounds_m[0])
-        moved[one.leaf] = _Fit(one.leaf, bounds[0] / factor - one.bounds_m[0], factor)
+        fit = _Fit(one.leaf, bounds[0] / factor - one.bounds_m[0], factor)
+        solids = [fit.solid(m.solid) for part in parts for m in part.moves if m.leaf is one.leaf]
+        fit.leaf = _within_sides(fit.leaf, [solid.bounds_m() for solid in solids], length)
+        moved[one.leaf] = fit
     return tuple(_fitted_part(part, moved) if part.moves else part for part in parts)
 
 
@@ -111,19 +123,46 @@ def _gap_m(bounds: FloatArray, other: FloatArray, axis: int, end: int) -> float 
     return gap if min(across) > _BESIDE_M and gap > -_BESIDE_M else None
 
 
+def _within_sides(leaf: Leaf, bounds_m: Sequence[FloatArray], length_m: float) -> Leaf:
+    """The leaf, a door at a side of its piece, with a stop where its solids would pass the side.
+
+    bounds_m: (2, 3) each, while it is shut.
+    """
+    motion = leaf.motion
+    if not isinstance(motion, Hinge) or motion.axis != "z":
+        return leaf
+    side = 1.0 if motion.at_m[0] > 0.0 else -1.0
+    room_m = length_m / 2 - side * motion.at_m[0]
+    # A door that opens towards the side that it hangs at turns against the sign of x there.
+    if not 0.0 <= room_m < _AT_SIDE_M or side * motion.opens_deg < 0.0:
+        return leaf
+    steps = np.radians(np.arange(0.0, abs(motion.opens_deg) + _STOP_DEG / 2, _STOP_DEG))
+    corners = np.array([
+        (x, y) for low, high in bounds_m for x in (low[0], high[0]) for y in (low[1], high[1])
+    ])  # fmt: skip
+    x, y = (corners - motion.at_m[:2]).T
+    # How far each corner is beyond the hinge, towards the side, at each step.
+    beyond = np.outer(np.cos(steps), side * x) - np.outer(np.sin(steps), y)
+    passes = (beyond > room_m - _BESIDE_M).any(axis=1) & (steps > 0.0)
+    if not passes.any():
+        return leaf
+    stop_deg = float(np.degrees(steps[max(int(passes.argmax()) - 1, 0)]))
+    return replace(leaf, motion=replace(motion, opens_deg=math.copysign(stop_deg, side)))
+
+
 class _Fit:
     """A shift of a leaf and then a stretch, (3,) each."""
 
     def __init__(self, leaf: Leaf, shift_m: FloatArray, factor: FloatArray) -> None:
         self._shift_m, self._factor = shift_m, factor
-        self._leaf = fitted_leaf(leaf, shift_m, factor)
+        self.leaf = fitted_leaf(leaf, shift_m, factor)
 
-    def _solid(self, solid: Solid) -> Solid:
+    def solid(self, solid: Solid) -> Solid:
         return solid.moved(*self._shift_m).scaled(*self._factor)
 
     def moving(self, one: Moving) -> Moving:
-        felt = tuple(self._solid(box) for box in one.felt)
-        return Moving(self._leaf, self._solid(one.solid), felt)
+        felt = tuple(self.solid(box) for box in one.felt)
+        return Moving(self.leaf, self.solid(one.solid), felt)
 
 
 def _fitted_part(part: Part, fits: Mapping[Leaf, _Fit]) -> Part:

@@ -36,7 +36,7 @@ _MOST_CUT_ON_WALL = 0.1
 def clear_trim(work: Arrangement) -> SceneGraph:
     """The house with every piece beside or before the trim of openings, where there is room."""
     graph = work.graph
-    trim = _trim(graph)
+    trim = trim_of(graph)
     if not trim:
         return graph
     tree = shapely.STRtree([footprint_polygon(one) for one in trim])
@@ -47,13 +47,14 @@ def clear_trim(work: Arrangement) -> SceneGraph:
             continue
         reach = footprint_polygon(item.box).buffer(max(item.box.size_m[:2]))
         near = [trim[index] for index in sorted(tree.query(reach))]
-        if _is_in(item.box, near):
+        if is_in_trim(item.box, near):
             free = work.free_places(item, items.values())
             items[item.id] = _beside(item, near, free)
     return replace(graph, items=tuple(items.values()))
 
 
-def _trim(graph: SceneGraph) -> list[Box]:
+def trim_of(graph: SceneGraph) -> list[Box]:
+    """Casings and window boards of a house."""
     return [
         one
         for opening, room in sides_of(graph.openings, graph.rooms)
@@ -61,7 +62,8 @@ def _trim(graph: SceneGraph) -> list[Box]:
     ]
 
 
-def _is_in(box: Box, trim: Sequence[Box]) -> bool:
+def is_in_trim(box: Box, trim: Sequence[Box]) -> bool:
+    """Whether a box shares space with a casing or board."""
     shape = footprint_polygon(box)
     return any(
         box.center_m[2] < one.top_m
@@ -76,7 +78,9 @@ def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
 
     What hangs on a wall moves along it. trim: also what the piece is not in, but may come into.
     """
-    moves = [move for one in trim if _is_in(item.box, [one]) for move in _ways_out(item.box, one)]
+    moves = [
+        move for one in trim if is_in_trim(item.box, [one]) for move in _ways_out(item.box, one)
+    ]
     further = [move for one in trim for move in _ways_out(item.box, one)]
     moves += [one + other for one in moves for other in further if abs(one @ other) < 1e-9]
     if category(item.category).mount is Mount.WALL:
@@ -84,7 +88,7 @@ def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
         moves = [move for move in moves if abs(front @ move) < _GAP_M]
     moves.sort(key=lambda move: float(np.hypot(*move)))
     for box in (*(_moved(item.box, move) for move in moves), *_cuts(item, moves)):
-        if free.has(box) and not _is_in(box, trim):
+        if free.has(box) and not is_in_trim(box, trim):
             return replace(item, box=box)
     return item
 

@@ -19,6 +19,7 @@ from chord_usd.line.arrange.arrangement import Arrangement
 from chord_usd.line.arrange.chairs_clear import draw_out_chairs
 from chord_usd.line.arrange.free_floor import kept_off
 from chord_usd.line.arrange.free_fronts import free_fronts
+from chord_usd.line.arrange.leaves_free import free_leaves
 from chord_usd.line.arrange.left_askew import RULE as ASKEW
 from chord_usd.line.arrange.left_askew import leave_askew
 from chord_usd.line.arrange.left_out import leave_out
@@ -137,6 +138,7 @@ RULES: tuple[Rule, ...] = (
     Rule("ways kept open", "drawn", open_ways),
     Rule("panels on their walls", "meshed", hang_on_walls),
     Rule("off casings and sills", "meshed", clear_trim),
+    Rule("leaves free", "meshed", free_leaves),
     Rule("chairs clear of tables", "meshed", draw_out_chairs),
     Rule(ASKEW, "meshed", leave_askew),
 )

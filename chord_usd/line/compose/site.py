@@ -204,7 +204,8 @@ def _wall(
     for one, low in trim:
         s_from, s_to, t_from, t_to = side.extent(footprint(one))
         gap = _TRIM_GAP_M
-        blocks.append([s_from - gap, s_to + gap, t_from - gap, t_to + gap, low])
+        # Drawers and doors of a unit pass before its front.
+        blocks.append([s_from - gap, s_to + gap, t_from - gap - BEFORE_M, t_to + gap, low])
     blocks += [[*side.extent(shape), _OUT] for shape in standing]
     # No wall is behind what would stand at an open border.
     blocks += [[low, high, 0.0, 0.1, _OUT] for low, high in _along(side, borders)]

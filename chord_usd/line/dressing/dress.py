@@ -22,6 +22,7 @@ from chord_usd.base.places.room_space import (
     take_clearances,
     take_fronts,
     take_pieces,
+    take_swings,
     take_walls,
 )
 from chord_usd.base.places.taken_space import TakenSpace, as_underfoot
@@ -32,6 +33,7 @@ from chord_usd.base.scene.stair_cells import is_cell
 from chord_usd.base.scene.styles import HomeStyle
 from chord_usd.base.scene.tunnels import as_cut
 from chord_usd.base.scene.types import Item, Opening, Room, SceneGraph
+from chord_usd.library.asset_leaves import leaves_of
 from chord_usd.library.database import AssetDatabase
 from chord_usd.line.dressing.draws import Draws
 from chord_usd.line.dressing.dress_art import dress_art
@@ -145,6 +147,7 @@ class _House:
         take_clearances(taken, [*openings, *told, *self._seen_from(room)])
         take_pieces(taken, pieces, self._reliefs)
         take_fronts(taken, pieces)
+        take_swings(taken, pieces, leaves_of)
         floor = self._floors.polygons[self._floors.index_of[room.id]]
         walkways = Walkways(self._free, floor, pieces, self._borders)
         for item in kept:

@@ -24,7 +24,8 @@ _MOST = 1.35
 
 """What may stand on a rug in part."""
 
-_DOORS_SWING = ("piece", "dressing", "pane", "open", "front")
+_ALL_BUT_PIECES = ("clear", "pane", "dressing", "open", "front", "swing")
+_DOORS_SWING = ("piece", "dressing", "pane", "open", "front", "swing")
 _MEETS_M = 0.02
 
 
@@ -255,7 +256,9 @@ def _doormat(frame: RoomFrame, face: WallFace, hole: Hole) -> None:
         if asset.size_m[0] <= hole.width_m:
             box = face.box(hole.middle_m, 0.0, asset.size_m, 0.08)
             lies = frame.is_inside(box) and not _is_stood_in(frame, box)
-            if lies and not frame.taken.hits(box, ("clear", "pane", "dressing", "open", "front")):
+            if lies and not frame.taken.hits(
+                box, ("clear", "pane", "dressing", "open", "front", "swing")
+            ):
                 frame.put(asset, box, reason=as_underfoot(box))
                 return
 

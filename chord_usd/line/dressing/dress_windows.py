@@ -44,7 +44,7 @@ _BLIND_PROUD_M = 0.06
 _REVEAL_SIDE_M = 0.006
 _CLEAR_M = 0.004
 _IN_WALL_M = 0.01
-_WALL = ("pane", "rug", "front")
+_WALL = ("pane", "rug", "front", "swing")
 
 
 def dress_windows(frame: RoomFrame) -> None:
@@ -179,7 +179,7 @@ def _pair(
         v_m = max(_BEFORE_BOARD_M, face_depth(rail) / 2 - asset.size_m[1] / 2)
         size_m = (length, asset.size_m[1], height)
         box = face.box(middle, rail.center_m[2] - height, size_m, v_m)
-        ignoring = ("rug", "front") if is_door else _WALL
+        ignoring = ("rug", "front", "swing") if is_door else _WALL
         if frame.fits(box, ignoring) and not other_boards.hits(box):
             found.append((asset, box))
     is_whole = len(found) == 2 or (len(found) == 1 and not drawn and hole.width_m < 1.3)

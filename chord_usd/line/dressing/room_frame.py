@@ -14,6 +14,8 @@ from shapely.geometry import LineString
 
 from chord_usd.base.errors import AssetError
 from chord_usd.base.places.free_ways import Walkways
+from chord_usd.base.places.room_space import take_swings
+from chord_usd.base.places.swept import swept_box
 from chord_usd.base.places.taken_space import Reason, TakenSpace
 from chord_usd.base.places.wall_frames import Hole, WallFace
 from chord_usd.base.raster.relief import Relief
@@ -25,6 +27,7 @@ from chord_usd.base.scene.geometry import (
 from chord_usd.base.scene.palette import CATEGORIES, Mount
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, FloatArray, Item, Room
 from chord_usd.library.asset_boards import boards_of
+from chord_usd.library.asset_leaves import leaves_of
 from chord_usd.library.asset_relief import relief_of
 from chord_usd.line.dressing.draws import Draws
 from chord_usd.line.dressing.stock import Stock
@@ -32,6 +35,9 @@ from chord_usd.line.dressing.tastes import Taste
 
 IN_ROOM_M = 0.002
 """What reaches farther beyond the floor of its room is not in it."""
+
+_PASSED = ("rug", "clear", "pane", "open", "front", "swing")
+"""Reasons of space that doors of furniture may pass."""
 
 _AT_WALL_M = 0.03
 """What hangs on a wall has its back no farther from it."""
@@ -149,6 +155,7 @@ class RoomFrame:
             item = item.found(rests_on=rests_on)
         self.placed.append(item)
         self.taken.add(item.box, reason, item.id)
+        take_swings(self.taken, (item,), leaves_of)
         return item
 
     def put_where_free(
@@ -165,7 +172,15 @@ class RoomFrame:
         hangs = row is not None and row.mount is Mount.WALL and rests_on is None
         if not self.fits(box, ignoring, but) or (hangs and not self.has_wall_behind(box)):
             return None
+        if not self._can_open(asset, box):
+            return None
         return self.put(asset, box, rests_on=rests_on)
+
+    def _can_open(self, asset: Asset, box: Box) -> bool:
+        """Whether nothing is where the doors of a piece swing."""
+        item = Item("", asset.category, box, self.room.id, self.stock.fetch(asset))
+        swings = (swept_box(leaf, box) for leaf in leaves_of(item))
+        return not any(self.taken.hits(swing, _PASSED) for swing in swings)
 
     def hang_group(self, group: Sequence[tuple[Asset, Box]]) -> bool:
         """Hang all of a group where each is free and has a wall behind it, or none of it."""
