@@ -77,7 +77,7 @@ def test_the_certificate_has_the_fields_of_the_contract(tmp_path):
         "holds", "valid", "errors", "collisions", "out_of_room", "blocked_openings", "unsupported",
         "empty_rooms", "walkable", "reachable_rooms", "por", "piou", "pairs", "ood",
         "complete", "right", "missing", "home_lacks", "misplaced", "objects", "dressing", "design",
-        "stairs", "unreachable", "faults",
+        "stairs", "unreachable", "opens", "standards", "faults",
     ]  # fmt: skip
     assert fields["holds"] is fields["valid"] is True
     crowded = check(tmp_path, house(*SOUND, replace(BED, id="bed2")))

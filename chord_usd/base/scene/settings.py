@@ -125,6 +125,10 @@ class Settings:
         "", 'required and excluded pieces: "Bedroom 1: double bed, desk; Bathroom: no bathtub"',
         "Wishes", metavar="WISHES", faces=FACES,
     )  # fmt: skip
+    standard: str = _row(
+        "", "published numbers to plan to: NKBA, DIN 18040-2, DIN 18040-2 R or M4(3); several with "
+        "commas", "Standard", metavar="NAME",
+    )  # fmt: skip
     redraws: int = _row(
         2, "sample rooms with faults again, at most N times (2)", "Redraws", metavar="N",
         limits=REDRAWS,
@@ -190,6 +194,7 @@ class HouseOptions(TypedDict, total=False):
     lists: bool
     arrange: bool
     furniture: str
+    standard: str
     redraws: int
     m_per_px: float | None
     part: int

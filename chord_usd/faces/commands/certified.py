@@ -20,17 +20,23 @@ def add_check(parser: Options) -> None:
     )
 
 
-def certified(stage: Path, watch: Stopwatch) -> dict[str, Any]:
-    """The certificate of a stage that this process wrote, as check has it. Raises StageError."""
+def certified(stage: Path, watch: Stopwatch, standard: str = "") -> dict[str, Any]:
+    """The certificate of a stage that this process wrote, as check has it. Raises StageError.
+
+    standard: names of standards that it is compared with, with commas between them.
+    """
     with watch.step("check"):
+        from chord_usd.base.metrics.design.standard import standards_in
         from chord_usd.line.stage.check.check_stage import certificate, check_stage
 
-        return certificate(check_stage(stage, own=True))
+        return certificate(check_stage(stage, own=True, standards=standards_in(standard)))
 
 
 def holds(check: dict[str, Any] | None) -> bool:
     """Whether nothing is known against the certificate: what a verb's exit code says."""
-    return check is None or bool(check["holds"])
+    return check is None or (
+        bool(check["holds"]) and all(one["holds"] for one in check.get("standards", ()))
+    )
 
 
 def reported(check: dict[str, Any] | None, *lines: str) -> str:
@@ -40,6 +46,7 @@ def reported(check: dict[str, Any] | None, *lines: str) -> str:
     """
     if check is None:
         return "\n".join([*lines, NOT_CHECKED])
+    lines = (*lines, *(one["summary"] for one in check.get("standards", ())))
     lacks = [f"no {piece}" for piece in check["home_lacks"]]
     lacking = f"; the home has {', '.join(lacks)}" if lacks else ""
     if check["holds"]:

@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.runtime.counting import counted
+from chord_usd.faces.commands.certified import holds
 from chord_usd.faces.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
+from chord_usd.faces.commands.house_options import add_options
 
 if TYPE_CHECKING:
     from chord_usd.base.metrics.design import Design, Finding
@@ -21,16 +23,19 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "check", run, "certify a stage: valid, walkable, free of collisions")
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+    add_options(parser, "standard")
 
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
+    from chord_usd.base.metrics.design.standard import standards_in
     from chord_usd.line.stage.check.check_stage import certificate, check_stage
 
+    standards = standards_in(options.standard or "")
     with stopwatch(options).step("check"):
-        report = check_stage(existing_file(options.stage))
+        report = check_stage(existing_file(options.stage), standards=standards)
     data = certificate(report)
-    return Outcome(_text(options.stage, report, data), data, report.holds)
+    return Outcome(_text(options.stage, report, data), data, holds(data))
 
 
 def _text(stage: Path, report: Report, data: dict[str, Any]) -> str:
@@ -42,7 +47,11 @@ def _text(stage: Path, report: Report, data: dict[str, Any]) -> str:
     )
     lines.append(f"  rooms complete {data['complete']:.0%}, right {data['right']:.0%}")
     lines += [f"    {flaw}" for flaw in report.flaws]
+    lines += _opens(report)
     lines += _design(report.design)
+    for kept in report.standards:
+        lines += [f"  {kept.summary}", *(f"    {line}" for line in kept.lines)]
+        lines += [f"    not checked: {one.name}, {one.text}" for one in kept.unchecked]
     lines += _outliers(data["ood"])
     return "\n".join(lines)
 
@@ -61,6 +70,14 @@ def _design(design: Design) -> list[str]:
             for found in worst.values()
         ]
     return lines
+
+
+def _opens(report: Report) -> list[str]:
+    """How many doors and drawers open; flaws and faults name the others."""
+    if not report.opens:
+        return []
+    free = len(report.opens) - len(report.shut)
+    return [f"  {free} of {len(report.opens)} doors and drawers of furniture open"]
 
 
 def _outliers(ood: list[dict[str, Any]]) -> list[str]:

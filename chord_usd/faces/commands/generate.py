@@ -99,7 +99,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
             with watch.step("view"):
                 write_view(stage, delivery.place(options.view))
-        report = None if options.no_check else certified(stage, watch)
+        report = None if options.no_check else certified(stage, watch, settings.standard)
     data = _summary(house, options.output, watch.seconds, report)
     if planned:
         data["planned"] = planned_report(planned)

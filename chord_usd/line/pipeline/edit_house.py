@@ -151,9 +151,10 @@ def edit(
 
     All of it is done or, where a part is not understood or has no place, nothing is: a ChordError
     says why. So it is, without force, where the edit makes the house worse (stage.check.worse): the
-    certificate has a new fault, or a room is less complete or right. Prims and files of rooms that
-    the sentence does not mean stay as they are, byte for byte. The stopwatch times read, arrange,
-    stage and check.
+    certificate has a new fault, or a room is less complete or right; or where a room keeps
+    noticeably fewer planning rules, or the home a clause less of the standard it is planned to.
+    Prims and files of rooms that the sentence does not mean stay as they are, byte for byte. The
+    stopwatch times read, arrange, stage and check.
     """
     from chord_usd.base.runtime.alone import alone_with
 
@@ -166,6 +167,8 @@ def edit(
             house = reading.house
             style = style_named(house.graph.style or MIXED, house.seed)
             work = _carried_out(reading, style, settings)
+            if not force:
+                _refuse_worse_planned(source, house, work.graph)
             done = _done(house.graph, work)
             change = _change(reading, work, style)
         report = _write(reading, change, target, edits, watch, force=force, dry_run=dry_run)
@@ -284,6 +287,28 @@ def _write(
     with watch.step("stage"), suppress(_TriedError):
         edit_rooms(reading.source, target, change, accept)
     return found[0]
+
+
+def _refuse_worse_planned(source: Path, house: StagedHouse, after: SceneGraph) -> None:
+    """Raises StageError for an edit after which a room is noticeably worse planned, or the home
+    keeps a clause less of the standard that it is planned to."""
+    from chord_usd.base.metrics.design import design_of, worse_planned
+    from chord_usd.base.metrics.design.standard import keeping, standards_in
+
+    lost = worse_planned(design_of([house.graph]), design_of([after]))
+    for standard in standards_in(house.standard):
+        known = {(clause.name, place) for clause, place, _ in
+                 keeping(standard, [house.graph]).findings}  # fmt: skip
+        now = keeping(standard, [after])
+        lost += [line for line, (clause, place, _) in zip(now.lines, now.findings, strict=True)
+                 if (clause.name, place) not in known]  # fmt: skip
+    if lost:
+        more = f", and {len(lost) - 1} more" if len(lost) > 1 else ""
+        raise StageError(
+            f"the edit makes the home worse planned: {lost[0]}{more}", where=str(source),
+            expected="an edit that keeps the planning rules",
+            try_="another place or piece, or --force",
+        )  # fmt: skip
 
 
 def _refuse_worse(source: Path, edits: Path | None, after: Report) -> None:

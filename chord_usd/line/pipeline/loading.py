@@ -115,6 +115,8 @@ def with_networks(graph: SceneGraph, settings: Settings) -> SceneGraph:
     hashes = {name: content_hash(checkpoint_folder(name)) for name in checkpoints(settings)}
     made = graph.provenance
     configuration = {**made.configuration, "checkpoints": hashes}
+    if settings.standard:
+        configuration["standard"] = settings.standard
     return replace(graph, provenance=replace(made, configuration=configuration))
 
 

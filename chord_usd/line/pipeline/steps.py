@@ -133,6 +133,22 @@ def require(settings: Settings) -> None:
         from chord_usd.line.plan.corrections import read_rooms
 
         read_rooms(settings.rooms)
+    if settings.standard:
+        from chord_usd.base.metrics.design.standard import standards_in
+
+        standards_in(settings.standard)
+
+
+def plan_limits(plans: Sequence[Plan], settings: Settings) -> list[str]:
+    """What the empty rooms of storeys cannot keep of the standard of the settings, a line each
+    with its place."""
+    if not settings.standard:
+        return []
+    from chord_usd.base.metrics.design.standard import keeping, standards_in
+
+    graphs = [SceneGraph(plan.rooms, plan.openings, ()) for plan in plans]
+    kept = [keeping(one, graphs, of_plan=True) for one in standards_in(settings.standard)]
+    return [f"the plan cannot keep: {line}" for one in kept for line in one.lines]
 
 
 def refuse_roof(plan: Plan, settings: Settings) -> None:

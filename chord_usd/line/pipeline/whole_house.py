@@ -91,6 +91,8 @@ class House:
     storeys: tuple[FurnishedStorey, ...]
     """The lowest first."""
     stage: StageFile
+    plan_limits: tuple[str, ...] = ()
+    """What the plan cannot keep of the standard."""
 
     @property
     def ground(self) -> FurnishedStorey:
@@ -112,7 +114,8 @@ class House:
     def warnings(self) -> tuple[str, ...]:
         """Of the stack of storeys and of their plans, each once."""
         read = (w for made in self.storeys for w in made.plan.extra.get("warnings", ()))
-        return tuple(dict.fromkeys((*self.building.warnings, *map(str, read))))
+        every = (*self.building.warnings, *map(str, read), *self.plan_limits)
+        return tuple(dict.fromkeys(every))
 
 
 def generate(
@@ -135,6 +138,8 @@ def generate(
 
     Raises ChordError.
     """
+    from chord_usd.base.metrics.design.standard import planning_to, standards_in
+
     settings, watch = settings or Settings(), stopwatch or Stopwatch()
     # Plans are read before networks are loaded: an invalid picture is reported within a second.
     with watch.step("plan"):
@@ -143,20 +148,24 @@ def generate(
         files = [files[min(storey.index, len(files) - 1)] for storey in building.storeys]
         images = _checked(building, files, settings, watch)
         asked = _asked(building, settings)
+        limits = steps.plan_limits([storey.plan for storey in building.storeys], settings)
+    for line in limits:
+        watch.announce(line)
     style = style_named(settings.style or MIXED, settings.seed)
     with watch.step("load"):
         models = (models or load_models(settings)).in_style(style.name)
         steps.load_usd()
     storeys = []
-    for storey, file, image in zip(building.storeys, files, images, strict=True):
-        made = _begun(storey, file, image, settings, models, style, asked)
-        for name, step in _due(settings).items():
-            with watch.step(name) as progress:
-                step(made, progress)
-        storeys.append(made)
+    with planning_to(standards_in(settings.standard)):
+        for storey, file, image in zip(building.storeys, files, images, strict=True):
+            made = _begun(storey, file, image, settings, models, style, asked)
+            for name, step in _due(settings).items():
+                with watch.step(name) as progress:
+                    step(made, progress)
+            storeys.append(made)
     with watch.step("stage"):
         stage = _write(building, storeys, stage_path, settings, style)
-    return House(building, tuple(storeys), stage)
+    return House(building, tuple(storeys), stage, tuple(limits))
 
 
 def list_pieces(made: FurnishedStorey, _: Progress) -> None:

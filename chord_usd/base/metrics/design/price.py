@@ -7,11 +7,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextvars import ContextVar
+from types import MappingProxyType
 
 import cv2
 import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
+from chord_usd.base.metrics.design.rule import Rule, judge
 from chord_usd.base.metrics.design.shell import TOUCH_M, inside
 from chord_usd.base.metrics.design.view import HomeView, View, distances, view_home
 from chord_usd.base.metrics.overlap import overlaps_by_nature
@@ -21,6 +24,11 @@ FAULT = 4.0
 """Of violations.room_faults, beside a share of rules: it counts per piece."""
 HOME = 3.0
 """A home's rules beside those of one room."""
+STANDARD = 2.0
+"""Clauses of a standard beside the table."""
+_NONE: Mapping[str, tuple[Rule[View], ...]] = MappingProxyType({})
+CLAUSES: ContextVar[Mapping[str, tuple[Rule[View], ...]]] = ContextVar("clauses", default=_NONE)
+"""Clauses that rooms are planned to, by kind of room (standard.planning_to)."""
 _TIGHT = 0.04
 """A piece in another, in a wall or before an opening; faults weigh how far."""
 
@@ -31,10 +39,16 @@ _PART_M2 = 0.1
 
 
 def broken_share(view: View) -> float:
-    """Share of the rules that a room breaks, by weight; its dining table's are among them."""
+    """Share of the rules that a room breaks, by weight; its dining table's are among them. Clauses
+    of a standard that the home is planned to cost more."""
     judged = list(judged_room(view))
     weight = sum(one.weight for one in judged)
-    return 1.0 - sum(one.won for one in judged) / weight if weight else 0.0
+    broken = 1.0 - sum(one.won for one in judged) / weight if weight else 0.0
+    shell = view.shell
+    if clauses := CLAUSES.get().get(shell.kind):
+        kept = judge(clauses, view, shell.room.id, shell.kind, shell.area_m2)
+        broken += STANDARD * (1.0 - kept.share)
+    return broken
 
 
 def home_price(home: HomeView) -> float:

@@ -100,6 +100,7 @@ class Hole:
     """(2,) unit vector into the room."""
     depth_m: float
     sill_m: float
+    height_m: float
 
     @property
     def middle(self) -> FloatArray:
@@ -218,7 +219,8 @@ def _hole(opening: Opening, room: Room) -> Hole:
     probe = middle + across * (depth / 2 + _REACH_M)
     inward = across if inside(probe[None], room.polygon_m)[0] else -across
     ends = np.array([middle - along * half, middle + along * half])
-    return Hole(opening.id, opening.kind, ends, inward, depth, opening.box.center_m[2])
+    low, height = opening.box.center_m[2], opening.box.size_m[2]
+    return Hole(opening.id, opening.kind, ends, inward, depth, low, height)
 
 
 def inside(points: FloatArray, polygon: FloatArray) -> BoolArray:

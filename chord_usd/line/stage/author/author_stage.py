@@ -28,6 +28,7 @@ from chord_usd.base.scene.stair_cells import is_cell
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.base.scene.types import FloatArray, SceneGraph, StageFile
 from chord_usd.line.stage.author.attribution import write_attribution
+from chord_usd.line.stage.author.design_notes import note_design
 from chord_usd.line.stage.author.furniture import (
     DRESSING,
     FURNITURE,
@@ -199,6 +200,7 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
         from chord_usd.line.stage.shell.roof import raise_roof
 
         raise_roof(layer, house.levels, house.roof, architecture, finish)
+    note_design(layer, house.levels)
     layer.Save()
     return _hash([target, *sorted(architecture.iterdir())])
 

@@ -16,6 +16,7 @@ from pxr import Usd
 from chord_usd.base.metrics import score_scene
 from chord_usd.base.metrics.complete import Homely, Misplaced, home_lacks
 from chord_usd.base.metrics.design import Design, design_of
+from chord_usd.base.metrics.design.standard import Kept, Standard, keeping
 from chord_usd.base.metrics.overlap import Overlap
 from chord_usd.base.runtime.stages import open_known, open_stage, reading
 from chord_usd.base.scene.types import Item, SceneGraph
@@ -27,6 +28,7 @@ from chord_usd.line.stage.check.check_dressing import (
     measure_dressing,
 )
 from chord_usd.line.stage.check.check_held import Held, soft, underfoot
+from chord_usd.line.stage.check.check_openables import Opens, openables
 from chord_usd.line.stage.check.check_rules import Finding, broken_rules
 from chord_usd.line.stage.check.check_scene import StageScene, read_storeys
 from chord_usd.line.stage.check.check_stairs import stair_faults
@@ -95,6 +97,15 @@ class Report:
     stairs: tuple[str, ...] = ()
     """Stairs that cannot be walked, and why."""
     unreachable: tuple[Unreachable, ...] = ()
+    opens: tuple[Opens, ...] = ()
+    """Doors, drawers, flaps and lids of furniture, and how far they open."""
+    standards: tuple[Kept, ...] = ()
+    """Standards that the report was asked for."""
+
+    @property
+    def shut(self) -> tuple[Opens, ...]:
+        """What something stops before it is open."""
+        return tuple(one for one in self.opens if not one.is_free)
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -108,7 +119,9 @@ class Report:
             *(f"{one} is empty" for one in self.empty_rooms),
             *self.stairs,
             *(f"{one.path} cannot be reached: {_SHUT_BY[one.shut_by]}" for one in self.unreachable),
-        )
+            *(f"{one.path} does not open: {one.stopped_by} stops it at {one.free}"
+              for one in self.opens if one.is_stuck),
+        )  # fmt: skip
 
     @property
     def flaws(self) -> tuple[str, ...]:
@@ -117,7 +130,9 @@ class Report:
             *(f"{one.path} lacks {piece}" for one in self.missing for piece in one.pieces),
             *(f"{one.item} is {one.fault}" for one in self.misplaced),
             *(f"the home has no {piece}" for piece in self.home_lacks),
-        )
+            *(f"{one.path} opens {one.free}: {one.stopped_by} stops it"
+              for one in self.shut if not one.is_stuck),
+        )  # fmt: skip
 
     @property
     def holds(self) -> bool:
@@ -141,16 +156,17 @@ def worse(before: Report, after: Report) -> tuple[str, ...]:
     return tuple(line for line in (*after.faults, *after.flaws) if line not in known)
 
 
-def check_stage(path: Path, *, own: bool = False) -> Report:
+def check_stage(path: Path, *, own: bool = False, standards: Sequence[Standard] = ()) -> Report:
     """Check a stage. Raises StageError for a file that cannot be opened.
 
-    own: whether this process wrote it, so that it need not be looked through first.
+    own: whether this process wrote it, so that it need not be looked through first. standards: what
+    the home is compared with beside the certificate.
     """
     with reading(path):
-        return _reported(open_known(path) if own else open_stage(path))
+        return _reported(open_known(path) if own else open_stage(path), standards)
 
 
-def _reported(stage: Usd.Stage) -> Report:
+def _reported(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:
     errors = broken_rules(stage)
     storeys = read_storeys(stage)
     if not any(scene.graph.rooms for scene in storeys):
@@ -191,6 +207,9 @@ def _reported(stage: Usd.Stage) -> Report:
             Unreachable(room, "plan" if room in way.doorless else "furniture")
             for way in walks for room in way.unreachable
         ),
+        opens=tuple(one for scene in storeys for one in openables(stage, scene)),
+        standards=tuple(keeping(one, [scene.entered_graph for scene in storeys])
+                        for one in standards),
     )  # fmt: skip
 
 
@@ -240,4 +259,6 @@ def certificate(report: Report) -> dict[str, Any]:
         "rooms": [room.as_json() for room in report.design.rooms],
         "home": report.design.home.as_json(),
     }
+    fields["opens"] = [asdict(one) for one in report.opens]
+    fields["standards"] = [one.as_json() for one in report.standards]
     return {"holds": report.holds, "valid": report.valid, **fields, "faults": list(report.faults)}

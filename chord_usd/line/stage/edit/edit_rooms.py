@@ -4,7 +4,7 @@ them; the prims of everything else stay as they are, byte for byte.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from chord_usd.base.runtime.stages import open_layer
 from chord_usd.base.scene.geometry import to_own, to_world
 from chord_usd.base.scene.types import Box, Provenance, StageFile
 from chord_usd.base.scene.units import wrap_deg
+from chord_usd.line.stage.author.design_notes import forget_design
 from chord_usd.line.stage.author.furniture import DRESSING
 from chord_usd.line.stage.author.prims import Types, apply_schema, attribute, relate
 from chord_usd.line.stage.author.stage_levels import room_spec, room_specs
@@ -74,10 +75,19 @@ def edit_rooms(
             names = [one.name for one in there]
             layer = furnish_layer(path, finals, replace(new, kept=names))
         _collect_dressing(layer)
+        moved = {path.name for piece in change.pieces for path in _rooms_of(piece)}
+        forget_design(layer, {*change.rooms, *moved})
         layer.Save()
         return layer
 
     return rewrite(source, target, edit, made, accept)
+
+
+def _rooms_of(piece: PieceChange) -> Iterator[Sdf.Path]:
+    """Paths above a piece's, its room's among them."""
+    yield from Sdf.Path(piece.path).GetAncestorsRange()
+    if piece.room_name:
+        yield Sdf.Path(f"/House/Rooms/{piece.room_name}")
 
 
 def _room(layer: Sdf.Layer, name: str) -> Sdf.PrimSpec:

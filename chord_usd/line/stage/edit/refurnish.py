@@ -37,6 +37,7 @@ from chord_usd.base.scene.styles import style_named
 from chord_usd.base.scene.types import Asset, Item, Provenance, Room, SceneGraph, StageFile
 from chord_usd.line.stage.author.attribution import write_attribution
 from chord_usd.line.stage.author.author_stage import ARCHIVE_TIME_S
+from chord_usd.line.stage.author.design_notes import forget_design, standard_noted
 from chord_usd.line.stage.author.furniture import (
     DRESSING,
     FURNITURE,
@@ -90,6 +91,8 @@ class StagedHouse:
     """Ids of the pieces that nothing may change."""
     storey: str = ""
     """Name of the group of its rooms, in a house of several storeys: all here is of this one."""
+    standard: str = ""
+    """Names of the standards that it is planned to."""
 
     def kept(self, room_name: str, names: Sequence[str], where: Path) -> dict[str, str]:
         """Names of prims of a room's furniture and dressing by their ids: those asked for, and what
@@ -198,8 +201,9 @@ def _house_of(stage: Usd.Stage, path: Path, room_name: str = "") -> StagedHouse:
     assets = {item_id: asset for item_id, asset in worn.items() if asset}
     graph = _with_noted_ids(graph, noted)
     return StagedHouse(
-        graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets, titles, locked, storey
-    )
+        graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets, titles, locked, storey,
+        standard_noted(chord),
+    )  # fmt: skip
 
 
 def noted_settings(stage: Usd.Stage) -> dict[str, Any]:
@@ -461,6 +465,7 @@ def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.
     floor_m = float(noted.default) if noted else 0.0
     standing = [*new.items, *new.dressing]
     clear_camera(layer, new.room_name, room_polygon(new.room), standing, floor_m)
+    forget_design(layer, [new.room_name])
     layer.Save()
     return layer
 

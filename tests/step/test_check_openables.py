@@ -1,0 +1,127 @@
+"""What opens must open: found on the stage, mended by the rules, kept free by dressing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from chord_usd.base.places.swept import swept_box
+from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.cli import DONE, NOT_HELD, main
+from chord_usd.library.asset_leaves import leaves_of, openable
+from chord_usd.library.catalogue import design_of, entries
+from chord_usd.library.database import AssetDatabase, load_database
+from chord_usd.library.kit.moves import Hinge
+from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.arrange.leaves_free import free_leaves
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_stage import Report, check_stage
+
+_AT_SIDE_M = 0.05
+_FLUSH_M = 1e-3
+
+
+@pytest.fixture(scope="module")
+def database() -> AssetDatabase:
+    return load_database(())
+
+
+def wardrobe(database: AssetDatabase, x: float, y: float) -> Item:
+    """With leaves, its back at y = 4."""
+    asset = database.nearest("cabinet", (1.2, 0.6, 2.0))
+    assert leaves_of(_placed(asset, (0.0, 0.0)))
+    return _placed(asset, (x, y - asset.size_m[1] / 2))
+
+
+def _placed(asset, at) -> Item:
+    return Item("wardrobe", "cabinet", Box((*at, 0.0), asset.size_m, 0.0), "a", asset)
+
+
+def house(*items: Item) -> SceneGraph:
+    polygon = frozen_array([(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)])
+    door = Opening("door", "door", Box((1.0, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("a",))
+    return SceneGraph((Room("a", "bedroom", polygon),), (door,), items)
+
+
+def report(tmp_path: Path, graph: SceneGraph) -> Report:
+    return check_stage(author_stage(graph, tmp_path / "house.usda", seed=0).path)
+
+
+def chest(at: tuple[float, float]) -> Item:
+    return Item("chest", "table", Box((*at, 0.0), (0.8, 0.5, 0.75), 0.0), "a")
+
+
+def test_a_piece_before_a_door_stops_it_and_the_report_says_where(tmp_path, database, capsys):
+    free = wardrobe(database, 2.5, 3.99)
+    front = free.box.center_m[1] - free.box.size_m[1] / 2
+    for folder in ("shut", "free"):
+        (tmp_path / folder).mkdir()
+    shut = report(tmp_path / "shut", house(free, chest((2.5, front - 0.35))))
+    assert shut.shut
+    assert {one.stopped_by.rsplit("/", 1)[-1] for one in shut.shut} == {"Table_0"}
+    assert any("Cabinet_0/Door" in fault for fault in (*shut.faults, *shut.flaws))
+    assert main(["check", str(tmp_path / "shut/house.usda")]) in (DONE, NOT_HELD)
+    assert "doors and drawers of furniture open" in capsys.readouterr().out
+    wide = report(tmp_path / "free", house(free))
+    assert wide.opens
+    assert not wide.shut
+    assert {one.free_share for one in wide.opens} == {1.0}
+
+
+def test_a_stage_in_one_piece_is_judged_as_a_jointed_one(tmp_path, database):
+    graph = house(wardrobe(database, 2.5, 3.99), chest((2.5, 2.9)))
+    shares = []
+    for articulation in ("fixed", "jointed"):
+        (tmp_path / articulation).mkdir()
+        path = tmp_path / articulation / "house.usda"
+        stage = author_stage(graph, path, seed=0, articulation=articulation).path
+        shares.append([(one.path, one.free_share) for one in check_stage(stage).opens])
+    assert shares[0] == shares[1]
+
+
+def test_a_piece_goes_where_its_leaves_open(database):
+    piece = wardrobe(database, 2.5, 4.0)
+    front = piece.box.center_m[1] - piece.box.size_m[1] / 2
+    beside = Item("chest", "table", Box(
+        (2.5 + piece.box.size_m[0] / 2 + 0.2, front - 0.3, 0.0), (0.5, 0.5, 0.75), 0.0), "a",
+    )  # fmt: skip
+    before = house(piece, replace(beside, facts=replace(beside.facts, unit="run")))
+    after = free_leaves(Arrangement.of(before))
+    moved = next(one for one in after.items if one.id == "wardrobe")
+    assert moved.box != piece.box
+    swept = [footprint_polygon(swept_box(leaf, moved.box)) for leaf in leaves_of(moved)]
+    assert all(shape.intersection(footprint_polygon(beside.box)).area < 1e-4 for shape in swept)
+
+
+def test_doors_at_a_side_stay_within_their_piece():
+    """So that a wall, or a taller piece, may be there."""
+    judged = 0
+    for name in list(entries())[::60]:
+        design = design_of(name)
+        length = design.size_m[0]
+        moves = [one for part in design.parts() for one in part.moves]
+        for one in moves:
+            motion = one.leaf.motion
+            if not isinstance(motion, Hinge) or motion.axis != "z":
+                continue
+            side = np.sign(motion.at_m[0])
+            hangs_at = length / 2 - side * motion.at_m[0]
+            if not 0.0 <= hangs_at < _AT_SIDE_M or side * motion.opens_deg < 0.0:
+                continue
+            judged += 1
+            low, high = one.solid.bounds_m()
+            corners = np.array([(x, y) for x in (low[0], high[0]) for y in (low[1], high[1])])
+            for angle in np.radians(np.linspace(0.0, motion.opens_deg, 60)):
+                turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+                there = (corners - motion.at_m[:2]) @ turn.T + motion.at_m[:2]
+                assert (side * there[:, 0]).max() < length / 2 + _FLUSH_M, design.id
+            assert abs(motion.opens_deg) > 75.0
+    assert judged > 10
+
+
+def test_foreign_assets_widenothing(tmp_path):
+    assert openable(str(tmp_path / "none.usda")) is None
