@@ -50,7 +50,7 @@ def forget_design(layer: Sdf.Layer, rooms: Iterable[str]) -> None:
     for prim in (layer.GetPrimAtPath("/House"), *(room_spec(layer, name) for name in rooms)):
         for name in (SHARE, FINDINGS):
             if prim and f"chord:{name}" in prim.attributes:
-                del prim.attributes[f"chord:{name}"]
+                prim.RemoveProperty(prim.attributes[f"chord:{name}"])
 
 
 def standard_noted(noted: Mapping[str, Any]) -> str:
