@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -10,7 +11,7 @@ import pytest
 import shapely
 from shapely.affinity import rotate, translate
 
-from chord_usd.base.metrics.design import Finding, design_of
+from chord_usd.base.metrics.design import Design, Finding, design_of, worse_planned
 from chord_usd.base.metrics.design.price import tight
 from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import View
@@ -178,3 +179,21 @@ def test_floor_that_pieces_cut_off_is_tight() -> None:
         graph = home("living", pieces)
         view = View(shells(graph.rooms, graph.openings)["room"], graph.items)
         assert tight(view) == parts
+
+
+def test_a_bed_pushed_against_the_wardrobe_is_worse_planned_and_a_removed_lamp_is_not():
+    polygon = np.array([[0.0, 0.0], [4.5, 0.0], [4.5, 4.0], [0.0, 4.0]])
+    room = Room("a", "bedroom", polygon)
+    door = Opening("d", "door", Box((0.6, -0.12, 0.0), (0.8, 0.24, 2.1), 0.0), ("a",))
+
+    def planned(bed_y: float, *more: Item) -> Design:
+        bed = Item("bed", "bed", Box((2.4, bed_y, 0.0), (1.6, 2.0, 0.5), 0.0), "a")
+        tall = Item("tall", "cabinet", Box((2.4, 0.3, 0.0), (2.0, 0.6, 2.2), 180.0), "a")
+        return design_of([SceneGraph((room,), (door,), (bed, tall, *more))])
+
+    lamp = Item("lamp", "floor_lamp", Box((4.2, 3.7, 0.0), (0.3, 0.3, 1.6), 0.0), "a")
+    before = planned(2.99, lamp)
+    assert worse_planned(before, planned(2.99)) == {}
+    worse = worse_planned(before, planned(1.7, lamp))
+    assert set(worse) == {"a"}
+    assert re.search(r"at the foot of the bed: \d+ cm, not 75 cm", worse["a"])

@@ -167,11 +167,10 @@ def edit(
             house = reading.house
             style = style_named(house.graph.style or MIXED, house.seed)
             work = _carried_out(reading, style, settings)
-            if not force:
-                _refuse_worse_planned(source, house, work.graph)
+            lost = [] if force else _worse_planned(house, work.graph)
             done = _done(house.graph, work)
             change = _change(reading, work, style)
-        report = _write(reading, change, target, edits, watch, force=force, dry_run=dry_run)
+        report = _write(reading, change, target, edits, watch, lost, force=force, dry_run=dry_run)
     if edits:
         done = replace(done, taken_over=tuple(piece.path for piece in change.pieces))
     return reading, done, report
@@ -267,10 +266,13 @@ class _TriedError(ChordError):
 
 
 def _write(
-    reading: Reading, change: RoomsChange, target: Path, edits: Path | None, watch: Stopwatch, *,
-    force: bool, dry_run: bool,
+    reading: Reading, change: RoomsChange, target: Path, edits: Path | None, watch: Stopwatch,
+    planned: Sequence[str], *, force: bool, dry_run: bool,
 ) -> Report:  # fmt: skip
-    """Write the house as it is changed, if that makes nothing worse; returns its report."""
+    """Write the house as it is changed, if that makes nothing worse; returns its report.
+
+    planned: what is worse planned, a line each.
+    """
     from chord_usd.line.stage.check.check_stage import check_stage
     from chord_usd.line.stage.edit.edit_rooms import edit_rooms
 
@@ -280,7 +282,7 @@ def _write(
         with watch.step("check"):
             found.append(check_stage(staged, own=True))
             if not force:
-                _refuse_worse(reading.source, edits, found[0])
+                _refuse_worse(reading.source, edits, found[0], planned)
         if dry_run:
             raise _TriedError("a dry run")
 
@@ -289,37 +291,34 @@ def _write(
     return found[0]
 
 
-def _refuse_worse_planned(source: Path, house: StagedHouse, after: SceneGraph) -> None:
-    """Raises StageError for an edit after which a room is noticeably worse planned, or the home
-    keeps a clause less of the standard that it is planned to."""
+def _worse_planned(house: StagedHouse, after: SceneGraph) -> list[str]:
+    """Rooms that are noticeably worse planned after an edit, and clauses less that the home keeps
+    of the standard that it is planned to, a line each."""
     from chord_usd.base.metrics.design import design_of, worse_planned
     from chord_usd.base.metrics.design.standard import keeping, standards_in
 
-    lost = worse_planned(design_of([house.graph]), design_of([after]))
+    names = {room_id: name for name, room_id in house.room_ids.items()}
+    worse = worse_planned(design_of([house.graph]), design_of([after]))
+    lost = [f"{names.get(place, place)} is worse planned: {told}" for place, told in worse.items()]
     for standard in standards_in(house.standard):
         known = {(clause.name, place) for clause, place, _ in
                  keeping(standard, [house.graph]).findings}  # fmt: skip
         now = keeping(standard, [after])
         lost += [line for line, (clause, place, _) in zip(now.lines, now.findings, strict=True)
                  if (clause.name, place) not in known]  # fmt: skip
-    if lost:
-        more = f", and {len(lost) - 1} more" if len(lost) > 1 else ""
-        raise StageError(
-            f"the edit makes the home worse planned: {lost[0]}{more}", where=str(source),
-            expected="an edit that keeps the planning rules",
-            try_="another place or piece, or --force",
-        )  # fmt: skip
+    return lost
 
 
-def _refuse_worse(source: Path, edits: Path | None, after: Report) -> None:
+def _refuse_worse(source: Path, edits: Path | None, after: Report, planned: Sequence[str]) -> None:
     """Raises StageError for an edit after which something is wrong that was not before, neither in
-    the house nor in what is seen of it."""
+    the house nor in what is seen of it. planned: what is worse planned, in the same way."""
     from chord_usd.line.stage.check.check_stage import check_stage, worse
 
     lost = (*after.faults, *after.flaws)
     for before in (source, *([edits] if edits else [])) if lost else ():
         known = worse(check_stage(before), after)
         lost = tuple(line for line in lost if line in known)
+    lost = (*lost, *planned)
     if lost:
         more = f", and {len(lost) - 1} more" if len(lost) > 1 else ""
         raise StageError(

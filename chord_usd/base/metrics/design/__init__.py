@@ -86,23 +86,27 @@ def design_of(graphs: Sequence[SceneGraph], homely: Iterable[Homely] = ()) -> De
     return Design(tuple(judged), judged_home(HomeView(rooms, front)))
 
 
-NOTICEABLE = 0.1
-"""By so much of its rules, by weight, a room is noticeably worse planned."""
+NOTICEABLE = 0.15
+"""A room of whose rules so large a share breaks is noticeably worse planned."""
 
 
-def worse_planned(before: Design, after: Design) -> list[str]:
-    """Rooms that are noticeably worse planned than before, a line each with the broken rules."""
+def worse_planned(before: Design, after: Design) -> dict[str, str]:
+    """By room that is noticeably worse planned than before, the rules that broke, in words.
+
+    Counts are left out: pieces that are gone were removed by request.
+    """
     known = {(one.place, one.kind): one for one in before.rooms}
-    lines = []
+    worse = {}
     for one in after.rooms:
         old = known.get((one.place, one.kind))
-        if old is None or old.share - one.share < NOTICEABLE:
-            continue
-        broken = {found.rule: found.said for found in one.findings if found.rule in old.kept}
-        told = "; ".join(broken.values())
-        lines.append(f"{one.place} keeps {one.share:.0%} of its planning rules, not "
-                     f"{old.share:.0%}: {told}")  # fmt: skip
-    return lines
+        broken = {
+            found.rule: found.said
+            for found in one.findings
+            if old and found.rule in old.kept and found.unit != "count"
+        }
+        if old and len(broken) >= NOTICEABLE * old.asked:
+            worse[one.place] = "; ".join(broken.values())
+    return worse
 
 
 COMPLETE, RIGHT = "what rooms of its kind cannot do without", "pieces that stand wrongly"

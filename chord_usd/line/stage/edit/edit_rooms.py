@@ -75,8 +75,9 @@ def edit_rooms(
             names = [one.name for one in there]
             layer = furnish_layer(path, finals, replace(new, kept=names))
         _collect_dressing(layer)
-        moved = {path.name for piece in change.pieces for path in _rooms_of(piece)}
-        forget_design(layer, {*change.rooms, *moved})
+        moved = [piece for piece in change.pieces if piece.now != piece.was]
+        if moved:
+            forget_design(layer, {path.name for piece in moved for path in _rooms_of(piece)})
         layer.Save()
         return layer
 

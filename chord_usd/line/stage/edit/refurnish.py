@@ -465,7 +465,8 @@ def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.
     floor_m = float(noted.default) if noted else 0.0
     standing = [*new.items, *new.dressing]
     clear_camera(layer, new.room_name, room_polygon(new.room), standing, floor_m)
-    forget_design(layer, [new.room_name])
+    if new.items:  # a lock changes no rule
+        forget_design(layer, [new.room_name])
     layer.Save()
     return layer
 
