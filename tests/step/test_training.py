@@ -165,6 +165,18 @@ def test_few_houses_come_again_and_again():
     assert len({tuple(item.box.center_m for item in house.items) for house in houses}) == 2
 
 
+def test_a_furnished_house_is_drawn_as_often_as_is_asked(monkeypatch):
+    """And seldom twice in one batch."""
+    made = iter(range(10**6))
+    monkeypatch.setattr(LayoutStream, "_furnished_house", lambda self, rng: next(made))
+    stream = LayoutStream(StreamConfig(uses=4), [], TINY, 1)
+    rng = np.random.default_rng(0)
+    drawn = [stream._house(rng) for _ in range(8000)]
+    assert len(drawn) / len(set(drawn)) == pytest.approx(4, rel=0.1)
+    batches = np.array(drawn).reshape(-1, 8)
+    assert np.mean([len(set(batch)) for batch in batches]) > 7
+
+
 def test_learning_rate_warms_up_and_cools_down(tmp_path):
     trainer = LayoutTrainer(TINY, replace(QUICK, minutes=10.0, warmup_steps=10), tmp_path)
     trainer.weights.taken = 4

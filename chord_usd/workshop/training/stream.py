@@ -29,6 +29,9 @@ from chord_usd.workshop.training.loader import batches_ahead
 
 Batch = dict[str, Tensor]
 
+_AT_HAND = 64
+"""Furnished houses that are drawn from: what comes one after the other is seldom of one house."""
+
 POOL_BATCHES = 4
 """Batches drawn ahead and sorted by size, so that layouts of a batch fill windows of one size."""
 
@@ -53,6 +56,8 @@ class StreamConfig(SeededConfig):
     """Free border of the canvas, which varies the scale."""
     procedural: int | None = None
     """How many different procedural houses; None for no two alike."""
+    uses: int = 4
+    """How often a furnished house is drawn on average, each time in another pose and draft."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,9 +79,9 @@ class BatchStream(IterableDataset[Batch]):
 
     A batch holds, for windows of height H and width W around what is drawn, rgb (B, H, W, 3) uint8
     and pixels (B, planes, H, W) uint8 and grid (B, planes, H/patch, W/patch) float32 of the
-    condition, labels (B, H, W) uint8, front (B, H, W) bool, layout (B, H, W, 3) uint8 and, where
-    something is said of them, words (B, words, channels). Where there are drafts, draft_labels,
-    draft_front and draft_known (B, H, W).
+    condition, labels (B, H, W) uint8, front (B, H, W) bool and, where something is said of them,
+    words (B, words, channels). Where there are drafts, draft_labels, draft_front and draft_known
+    (B, H, W). Where the state is in colours, layout (B, H, W, 3) uint8.
     """
 
     config: SeededConfig
@@ -135,14 +140,16 @@ class BatchStream(IterableDataset[Batch]):
         condition = self.traits.describe(
             image.rgb[window], image.frame.m_per_px, self.network.patch_px
         )
-        layout = self.traits.paint(image, drawn.labels, drawn.front)
+        painted: dict[str, np.ndarray] = {}
+        if self.network.state == "rgb":
+            painted["layout"] = self.traits.paint(image, drawn.labels, drawn.front)[window]
         return {
             "rgb": image.rgb[window],
             "pixels": condition.pixels,
             "grid": condition.grid,
             "labels": drawn.labels[window],
             "front": drawn.front[window],
-            "layout": layout[window],
+            **painted,
             **({} if drawn.words is None else {"words": drawn.words}),
             **({} if drawn.draft is None else _draft_sample(drawn.draft, window)),
         }
@@ -173,10 +180,15 @@ class LayoutStream(BatchStream):
         self.config: StreamConfig = config
         self.real_plans = real_plans
         self.furnished, self.unseen = furnished, unseen
+        self._at_hand: list[SceneGraph] = []
+
+    def __iter__(self) -> Iterator[Batch]:
+        self._at_hand = []  # the same batches again
+        return super().__iter__()
 
     def draw(self, rng: np.random.Generator) -> Drawn:
         """A house in a random pose, shaded by chance."""
-        house = random_pose(self._furnished_house(rng), rng)
+        house = random_pose(self._house(rng), rng)
         frame = canvas.fit_frame(house.plan, margin_px=int(rng.integers(*self.config.margin_px)))
         shade = bool(rng.random() < self.config.shading_chance)
         drawn = _drawn_house(house, canvas.draw_plan(house.plan, frame, shade=shade))
@@ -194,6 +206,21 @@ class LayoutStream(BatchStream):
             draft = rough_draft(house, image.frame, rng) if self.network.draft else None
             drawn.append(replace(_drawn_house(house, image), draft=draft))
         return drawn
+
+    def _house(self, rng: np.random.Generator) -> SceneGraph:
+        """A house at hand, or a new one, which takes a place there, once in so many uses.
+
+        To furnish one takes three quarters of the time of a sample.
+        """
+        if self.furnished or self.config.uses == 1:
+            return self._furnished_house(rng)
+        place = int(rng.integers(_AT_HAND))
+        if len(self._at_hand) < _AT_HAND:
+            self._at_hand.append(self._furnished_house(rng))
+            place = -1
+        elif rng.random() * self.config.uses < 1.0:
+            self._at_hand[place] = self._furnished_house(rng)
+        return self._at_hand[place]
 
     def _furnished_house(self, rng: np.random.Generator) -> SceneGraph:
         if self.furnished:

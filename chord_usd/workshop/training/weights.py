@@ -63,8 +63,10 @@ class Weights(Generic[NetworkT]):
         """Steps since the optimiser began; a resumed run goes on counting."""
         self.average = copy.deepcopy(network).eval()
         self.average.requires_grad_(False)
+        learning = self._learning().values()
+        on_cpu = all(parameter.device.type == "cpu" for parameter in learning)
         self.optimiser = torch.optim.AdamW(
-            self._learning().values(), learning_rate, weight_decay=weight_decay
+            learning, learning_rate, weight_decay=weight_decay, fused=on_cpu
         )
 
     def _learning(self) -> dict[str, nn.Parameter]:
