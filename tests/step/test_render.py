@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden import require_alike
 from PIL import Image
 from pxr import Sdf, Usd, UsdGeom, UsdUtils
 from render_house import SIZE_PX, TINY, define_box, paint_red, write_house
@@ -119,6 +120,12 @@ def test_the_room_is_lit_and_shows_its_red_floor_and_blue_bed(pictures):
     red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
     assert ((red > 1.5 * green) & (red > 1.5 * blue)).mean() > 0.05
     assert (blue > 1.5 * red).mean() > 0.05
+
+
+def test_a_picture_looks_as_it_did(house: Path, tmp_path: Path) -> None:
+    options = replace(TINY, cameras=("Bedroom_0",), samples=16, resolution_px=(96, 54))
+    (picture,) = render_stage(house, tmp_path, options).pictures
+    require_alike("render", np.asarray(Image.open(picture).convert("RGB")), tmp_path)
 
 
 def test_the_house_is_seen_from_above_through_its_ceiling(pictures):
