@@ -265,6 +265,11 @@ def test_a_sheet_has_its_usual_scale_where_doors_are_near_to_it() -> None:
     assert choose_scale(printed(0.013, 0.013), 0.0094, 0.0114, paper=0.0001).witness != "paper"
 
 
+def test_one_pair_of_numbers_is_no_chain_that_speaks_against_sizes() -> None:
+    measures = [*printed(0.01, 0.0101), Estimate("dimension chains", 0.036, "2.50 | 85")]
+    assert choose_scale(measures, doors=0.011, walls=0.012).warnings() == []
+
+
 def test_misread_measures_that_agree_are_doubted_where_walls_say_otherwise() -> None:
     measures = [Estimate("dimension lines", 0.06, text) for text in ("1", "2", "3")]
     assert "walls say" in choose_scale(measures, None, 0.0225).warnings()[0]

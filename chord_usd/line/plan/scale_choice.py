@@ -48,6 +48,9 @@ _TRUST = {
 }  # fmt: skip
 """Weights in the mean. Areas are rounded, and count wardrobes in some countries only."""
 
+_LEAST_HEARD = {"dimension chains": 3}
+"""Measures of a witness that is heard beside another: a pair of numbers is rarely a chain."""
+
 _CONFIDENCE = {"given": 1.0, "file": 1.0, "paper": 0.7, "doors": 0.6, "rooms": 0.5, "walls": 0.4}
 
 _SPREAD = {"doors": 0.2, "walls": 0.45}
@@ -149,7 +152,7 @@ def choose_scale(
     others = {name: value for name, (value, _) in unprinted.items()}
     for name in _TRUST:
         own = [e.m_per_px for e in printed if e.witness == name and e.is_sure]
-        if own:
+        if len(own) >= _LEAST_HEARD.get(name, 1):
             others[name] = float(np.median(own))
     if given:
         return Scale(given, "given", others=others)
