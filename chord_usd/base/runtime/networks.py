@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ import numpy.typing as npt
 
 from chord_usd.base.errors import CheckpointError
 from chord_usd.base.runtime.checksums import check_file, checkpoint_hash
+from chord_usd.base.runtime.locations import cache_folder, shipped_checkpoints
 from chord_usd.base.runtime.offline import refuse_telemetry
 from chord_usd.base.runtime.packed_weights import unpacked
 
@@ -105,19 +107,48 @@ def load_network(folder: Path, try_: str, threads: int = 0) -> Network:
 
     try_: remedy to name in errors; threads: 0 takes every core. Raises CheckpointError.
     """
-    weights = read_weights(folder / WEIGHTS_FILE, try_)
-    named = {name + STORED_SUFFIX: value for name, value in weights.items()}
-    path = folder / GRAPH_FILE
+    path, weights_file = folder / GRAPH_FILE, folder / WEIGHTS_FILE
     check_file(path)
+    check_file(weights_file)
+    kept = _kept(folder)
+    if kept and kept.is_file():
+        with suppress(CheckpointError):  # else it is damaged: it is written again
+            return load_graph(kept, {}, try_, threads)
+    weights = read_weights(weights_file, try_)
+    named = {name + STORED_SUFFIX: value for name, value in weights.items()}
+    if kept:
+        with suppress(OSError, CheckpointError):  # the cache is a convenience
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            scratch = kept.with_name(f".{os.getpid()}-{kept.name}")
+            try:
+                load_graph(path, named, try_, threads, optimised=scratch)
+                scratch.replace(kept)
+            finally:
+                scratch.unlink(missing_ok=True)
+            return load_graph(kept, {}, try_, threads)
     return load_graph(path, named, try_, threads)
 
 
+def _kept(folder: Path) -> Path | None:
+    """Where the cache has the optimised graph of a shipped checkpoint, with its weights.
+
+    To optimise it takes as long as to load the result. None for checkpoints of users' own.
+    """
+    if folder.parent != shipped_checkpoints():
+        return None
+    version = import_onnxruntime().__version__
+    content = (checkpoint_hash(folder / name)[:16] for name in (GRAPH_FILE, WEIGHTS_FILE))
+    return cache_folder() / "networks" / f"{folder.name}-{version}-{'-'.join(content)}.onnx"
+
+
 def load_graph(
-    path: Path, weights: Mapping[str, npt.NDArray[Any]], try_: str, threads: int = 0
-) -> Network:
+    path: Path, weights: Mapping[str, npt.NDArray[Any]], try_: str, threads: int = 0,
+    optimised: Path | None = None,
+) -> Network:  # fmt: skip
     """A network of a graph file and the tensors that it leaves out, by their names there.
 
-    Arguments and errors as load_network's.
+    optimised: file for the graph after the passes that suit every machine. Other arguments and
+    errors as load_network's.
     """
     onnxruntime = import_onnxruntime()
     options = onnxruntime.SessionOptions()
@@ -125,6 +156,10 @@ def load_graph(
     options.log_severity_level = 3
     # Threads that spin while they wait take a busy machine's cores from others, and from us.
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    if optimised:
+        options.optimized_model_filepath = str(optimised)
+        level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_EXTENDED
+        options.graph_optimization_level = level
     given = [onnxruntime.OrtValue.ortvalue_from_numpy(value) for value in weights.values()]
     try:
         options.add_external_initializers(list(weights), given)
