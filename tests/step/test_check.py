@@ -16,9 +16,11 @@ from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import Box, Facts, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.cli import DONE, NOT_HELD, main
 from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check import check_contact
 from chord_usd.line.stage.check.check_contact import Body, Solid, collisions, unsupported
 from chord_usd.line.stage.check.check_scene import read_scene
 from chord_usd.line.stage.check.check_stage import Report, certificate, check_stage
+from chord_usd.line.stage.check.triangles import Triangles
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 
@@ -215,7 +217,8 @@ def test_what_is_no_stage_is_named(tmp_path):
 
 
 def body(name: str, *meshes: trimesh.Trimesh, parent: str = "") -> Body:
-    return Body(name, tuple(Solid(f"{name}/{k}", mesh) for k, mesh in enumerate(meshes)), parent)
+    triangles = [Triangles(np.array(mesh.vertices), np.array(mesh.faces)) for mesh in meshes]
+    return Body(name, tuple(Solid(f"{name}/{k}", m) for k, m in enumerate(triangles)), parent)
 
 
 def box(size, at) -> trimesh.Trimesh:
@@ -310,6 +313,29 @@ def test_a_pot_may_stand_on_bars_that_cross_below_it(bars_m, stands):
         "pot", trimesh.creation.box((0.3, 0.3, 0.2), np.eye(4)).apply_translation((0, 0, 0.5))
     )
     assert (unsupported([grate, pot], [FLOOR], lambda _: False) == []) == stands
+
+
+def test_what_is_left_out_early_touches_nothing(monkeypatch):
+    """Triangles out of reach and meshes apart: contact is that of all triangles and meshes."""
+    rng = np.random.default_rng(0)
+    flat = rng.uniform(-1.0, 1.0, (300, 3, 3)) * [1.0, 1.0, 0.005]
+    flat[::3, 2] = flat[::3, 0] + rng.normal(0.0, 1e-3, (100, 3))  # slivers
+    feet = rng.uniform(-1.0, 1.0, (40, 6, 3)) * [0.1, 0.1, 0.0] + rng.uniform(-1, 1, (40, 1, 3))
+    feet[..., 2] = 0.0
+    balls = [
+        body(f"ball {k}", trimesh.creation.torus(0.3, 0.1, 12, 8).apply_translation(at))
+        for k, at in enumerate(rng.uniform(0.0, 1.2, (12, 3)))
+    ]
+
+    def contact():
+        return [check_contact._touch(foot, flat).tolist() for foot in feet], collisions(balls, [])
+
+    found = contact()
+    monkeypatch.setattr(check_contact, "_within_reach", lambda points, faces: slice(None))
+    monkeypatch.setattr(check_contact, "_apart", lambda a, b: False)
+    assert found == contact()
+    assert any(map(any, found[0]))
+    assert found[1]
 
 
 def test_a_toilet_hangs_on_its_wall_and_nowhere_else(tmp_path):

@@ -26,6 +26,9 @@ HULL_SLACK_M = 0.005
 _EDGE_M = 5e-4
 """A foot flush with a wall stands on the edge of the floor; meshes hold their corners rounded."""
 
+_TOUCH_M = 1e-5
+"""What is this near may touch."""
+
 _MAX_CONTACTS = 64
 _GRID_M = 0.01
 """Of many feet in one cell of this size one is enough."""
@@ -50,9 +53,14 @@ class Solid:
     @cached_property
     def bounds_m(self) -> FloatArray:
         """(2, 3) lowest and highest corner."""
-        used = self.triangles_m.reshape(-1, 3)
-        corners = used if len(used) else np.asarray(self.mesh.vertices)
+        corners = self.mesh.corners
         return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+    @cached_property
+    def triangle_bounds_m(self) -> tuple[FloatArray, FloatArray]:
+        """(M, 3) lowest and highest corner of each triangle."""
+        a, b, c = (self.triangles_m[:, k] for k in range(3))
+        return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
 
     @cached_property
     def area_m2(self) -> float:
@@ -118,6 +126,18 @@ class Body:
     def triangles_m(self) -> FloatArray:
         """(M, 3, 3)."""
         return np.concatenate([solid.triangles_m for solid in self.solids])
+
+    @cached_property
+    def levels_m(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """(M,) lowest and highest point of each triangle, and twice its area seen from above,
+        negative where it faces down."""
+        a, b, c = (self.triangles_m[:, k] for k in range(3))
+        ab, ac = b - a, c - a
+        return (
+            np.minimum(np.minimum(a[:, 2], b[:, 2]), c[:, 2]),
+            np.maximum(np.maximum(a[:, 2], b[:, 2]), c[:, 2]),
+            ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0],
+        )
 
     @cached_property
     def centroid_m(self) -> FloatArray:
@@ -193,6 +213,8 @@ def _depth_m(a: Body, b: Body) -> float:
 
 def _solid_depth_m(a: Solid, b: Solid) -> float:
     """Contact depth of two meshes: how far one has to move to come free of the other."""
+    if _apart(a, b):
+        return 0.0
     contacts = _contacts(a.collider, b.collider)
     depth_m = max((float(contact.penetration_depth) for contact in contacts), default=0.0)
     if depth_m <= MIN_DEPTH_M or (a.is_convex and b.is_convex):
@@ -208,6 +230,20 @@ def _solid_depth_m(a: Solid, b: Solid) -> float:
         if is_free:
             return MIN_DEPTH_M
     return depth_m
+
+
+def _apart(a: Solid, b: Solid) -> bool:
+    """Whether no triangle of one reaches into the bounds of the other.
+
+    To build a tree of a mesh takes far longer. What is convex is solid: it may hold the other.
+    """
+    low = np.maximum(a.bounds_m[0], b.bounds_m[0]) - _TOUCH_M
+    high = np.minimum(a.bounds_m[1], b.bounds_m[1]) + _TOUCH_M
+    for solid in (a, b):
+        lowest, highest = solid.triangle_bounds_m
+        if not ((lowest <= high) & (highest >= low)).all(axis=1).any() and not solid.is_convex:
+            return True
+    return False
 
 
 def _contacts(a: Any, b: Any) -> Any:
@@ -249,15 +285,15 @@ def _stands(item: Body, carriers: Sequence[Body]) -> bool:
     """Whether the centroid lies over the hull of the points at which the item is carried."""
     low_m = float(item.bounds_m[0, 2])
     feet = _thinned(item.vertices_m[item.vertices_m[:, 2] < low_m + SUPPORT_GAP_M])
-    soles = _level(item.triangles_m, low_m, facing=-1.0)
+    soles = _level(item, low_m, facing=-1.0)
     points: list[FloatArray] = []
-    tops = [_level(carrier.triangles_m, low_m, facing=1.0) for carrier in carriers]
+    tops = [_level(carrier, low_m, facing=1.0) for carrier in carriers]
     for carrier, top in zip(carriers, tops, strict=True):
         points.append(feet[_touch(feet, top)])
         # The carrier may be the smaller one: then its corners lie under the item's sole.
         corners = carrier.vertices_m
-        near = np.abs(corners[:, 2] - low_m) < 2 * SUPPORT_GAP_M
-        corners = _thinned(corners[near & _over(corners, item.bounds_m)])
+        corners = corners[np.abs(corners[:, 2] - low_m) < 2 * SUPPORT_GAP_M]
+        corners = _thinned(corners[_over(corners, item.bounds_m)])
         points.append(corners[_touch(corners, soles)])
     if _balances(item, points):
         return True
@@ -284,26 +320,25 @@ def _rims(triangles: FloatArray, bounds_m: FloatArray) -> FloatArray:
         return starts
     longest = float(np.linalg.norm(ends - starts, axis=1).max())
     share = np.linspace(0.0, 1.0, min(2 + int(longest / _RIM_STEP_M), _MOST_RIM_STEPS))
+    meets = (np.minimum(starts, ends) <= bounds_m[1]) & (np.maximum(starts, ends) >= bounds_m[0])
+    due = meets[:, 0] & meets[:, 1]
+    starts, ends = starts[due], ends[due]
     points = (starts[:, None] + share[:, None] * (ends - starts)[:, None]).reshape(-1, 3)
     return points[_over(points, bounds_m)]
 
 
 def _over(points: FloatArray, bounds_m: FloatArray) -> Any:
     """(N,) whether points lie within the bounds, seen from above."""
-    plane = points[:, :2]
-    return ((plane >= bounds_m[0, :2]) & (plane <= bounds_m[1, :2])).all(axis=1)
+    (low_x, low_y, _), (high_x, high_y, _) = bounds_m
+    x, y = points[:, 0], points[:, 1]
+    return (x >= low_x) & (x <= high_x) & (y >= low_y) & (y <= high_y)
 
 
-def _level(triangles: FloatArray, height_m: float, facing: float) -> FloatArray:
-    """Those of the triangles (M, 3, 3) near this height that face up (1.0) or down (-1.0)."""
-    z = triangles[:, :, 2]
-    near = (z.min(axis=1) < height_m + 2 * SUPPORT_GAP_M) & (
-        z.max(axis=1) > height_m - 2 * SUPPORT_GAP_M
-    )
-    chosen = triangles[near]
-    ab, ac = (chosen[:, k] - chosen[:, 0] for k in (1, 2))
-    upwards = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
-    return chosen[facing * upwards > 1e-9]
+def _level(body: Body, height_m: float, facing: float) -> FloatArray:
+    """(M, 3, 3) a body's triangles near this height that face up (1.0) or down (-1.0)."""
+    low, high, upwards = body.levels_m
+    near = (low < height_m + 2 * SUPPORT_GAP_M) & (high > height_m - 2 * SUPPORT_GAP_M)
+    return body.triangles_m[near & (facing * upwards > 1e-9)]
 
 
 def _thinned(points: FloatArray) -> FloatArray:
@@ -321,6 +356,7 @@ def _touch(points: FloatArray, triangles: FloatArray) -> Any:
     """
     if not len(points) or not len(triangles):
         return np.zeros(len(points), dtype=bool)
+    triangles = triangles[_within_reach(points, triangles)]
     a, b, c = (triangles[:, k] for k in range(3))
     ab, ac = (b - a)[:, :2], (c - a)[:, :2]
     area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
@@ -334,3 +370,23 @@ def _touch(points: FloatArray, triangles: FloatArray) -> Any:
     height = a[:, 2] + v * (b - a)[:, 2] + w * (c - a)[:, 2]
     near = np.abs(height - points[:, None, 2]) <= SUPPORT_GAP_M
     return (inside & near).any(axis=1)
+
+
+def _within_reach(points: FloatArray, triangles: FloatArray) -> Any:
+    """(M,) whether a triangle, grown by _EDGE_M on each side, can be over or under any point.
+
+    Of a floor with hundreds of triangles one or two are below a foot.
+    """
+    plane = triangles[:, :, :2]
+    a, b, c = (plane[:, k] for k in range(3))
+    opposite = [np.hypot(*side.T)[:, None] for side in (c - b, a - c, b - a)]
+    around = opposite[0] + opposite[1] + opposite[2]
+    middle = (opposite[0] * a + opposite[1] * b + opposite[2] * c) / around
+    ab, ac = b - a, c - a
+    doubled = np.abs(ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0])[:, None]
+    # Each side moves out by _EDGE_M: the triangle grows from the centre of its incircle.
+    grown = 1.0 + (_EDGE_M + 1e-6) * around / doubled
+    corners = middle[:, None] + grown[:, None] * (plane - middle[:, None])
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    meets = (corners.min(axis=1) <= high) & (corners.max(axis=1) >= low)
+    return meets[:, 0] & meets[:, 1]

@@ -32,6 +32,7 @@ class _Known:
 
     is_watertight: bool | None = None
     is_convex: bool | None = None
+    used: npt.NDArray[np.int64] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,15 @@ class Triangles:
     def placed(self, linear: FloatArray, offset_m: FloatArray) -> Triangles:
         """Each vertex v, as a row, at v @ linear (3, 3) + offset_m (3,)."""
         return Triangles(self.vertices @ linear + offset_m, self.faces, self._known)
+
+    @property
+    def corners(self) -> FloatArray:
+        """(K, 3) the vertices that triangles use; all of them where there is no triangle."""
+        known = self._known
+        if known.used is None:
+            known.used = np.unique(self.faces)
+        whole = len(known.used) in (0, len(self.vertices))
+        return self.vertices if whole else self.vertices[known.used]
 
     @property
     def is_watertight(self) -> bool:
