@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
-from chord_usd.base.places.swept import swept_box
+from chord_usd.base.places.swept import OPENS, swept_box
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.cli import DONE, NOT_HELD, main
@@ -20,6 +22,7 @@ from chord_usd.line.arrange.arrangement import Arrangement
 from chord_usd.line.arrange.leaves_free import free_leaves
 from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check.check_stage import Report, check_stage
+from chord_usd.line.stage.export.export_stage import export_stage
 
 _AT_SIDE_M = 0.05
 _FLUSH_M = 1e-3
@@ -125,3 +128,38 @@ def test_doors_at_a_side_stay_within_their_piece():
 
 def test_foreign_assets_widenothing(tmp_path):
     assert openable(str(tmp_path / "none.usda")) is None
+
+
+def _pulled(model: mujoco.MjModel, joint: int) -> float:
+    """Share of its range that a joint reaches under 20 N m or 30 N, within two seconds."""
+    data = mujoco.MjData(model)
+    wide = max(model.jnt_range[joint], key=abs)
+    force = math.copysign(20.0 if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE else 30.0,
+                          wide)  # fmt: skip
+    reached = 0.0
+    while data.time < 2.0 and reached < OPENS:
+        data.qfrc_applied[model.jnt_dofadr[joint]] = force
+        mujoco.mj_step(model, data)
+        reached = max(reached, float(data.qpos[model.jnt_qposadr[joint]] / wide))
+    return reached
+
+
+@pytest.mark.parametrize("away_m", [0.15, 0.35, 0.9])
+def test_force_opens_what_the_certificate_calls_free_and_nothing_else(
+    tmp_path, database, away_m: float
+):
+    piece = wardrobe(database, 2.5, 3.99)
+    front = piece.box.center_m[1] - piece.box.size_m[1] / 2
+    at = (2.5, front - away_m - 0.3, 0.0)
+    counter = Item("sink", "cabinet", Box(at, (0.6, 0.6, 0.85), 180.0),
+                   "a")  # fmt: skip
+    path = tmp_path / "house.usda"
+    author_stage(house(piece, counter), path, seed=0, articulation="jointed")
+    told = {one.path.rsplit("/", 1)[-1]: one.is_free for one in check_stage(path).opens}
+    export_stage(path, tmp_path / "model", "mujoco")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model/model.xml"))
+    names = {model.joint(at).name: at for at in range(model.njnt) if ".Cabinet_" in
+             model.joint(at).name}  # fmt: skip
+    force = {name.rsplit(".", 1)[-1]: _pulled(model, at) >= OPENS for name, at in names.items()}
+    assert len(told) > 1
+    assert force == told
