@@ -120,9 +120,9 @@ class Boxes:
         turn = _turn(2, box.yaw_deg)
         return Boxes(self.middle @ turn.T + np.array(box.center_m), self.axes @ turn.T, self.half)
 
-    def kept(self, which: object) -> Boxes:
+    def kept(self, which: IndexArray | BoolArray) -> Boxes:
         """Those at indices or of a mask."""
-        return Boxes(self.middle[which], self.axes[which], self.half[which])  # type: ignore[index]
+        return Boxes(self.middle[which], self.axes[which], self.half[which])
 
     @cached_property
     def bounds(self) -> FloatArray:

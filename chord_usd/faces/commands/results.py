@@ -15,6 +15,8 @@ from typing import (
     is_typeddict,
 )
 
+from chord_usd.faces.commands.certificate_results import Certificate
+
 Seconds = dict[str, float]
 """By step."""
 
@@ -28,131 +30,6 @@ class Edit(TypedDict):
     item: str
     rule: str
     moved_m: float
-
-
-class Finding(TypedDict):
-    """An error of the stage."""
-
-    rule: str
-    path: str
-    message: str
-
-
-class Collision(TypedDict):
-    """Two meshes in each other."""
-
-    a: str
-    b: str
-    depth_m: float
-
-
-class Outlier(TypedDict):
-    """What the layout model would not have put there."""
-
-    path: str
-    score: float
-
-
-class Missing(TypedDict):
-    """What a room lacks."""
-
-    path: str
-    pieces: list[str]
-
-
-class Misplaced(TypedDict):
-    """A piece that is placed wrongly."""
-
-    item: str
-    category: str
-    fault: str
-
-
-class Objects(TypedDict):
-    """Counts of objects, by room."""
-
-    total: int
-    median: float
-    least: int
-    by_kind: dict[str, float]
-
-
-class Dressing(TypedDict):
-    """How far rooms are dressed; shares in [0, 1]."""
-
-    items: int
-    windows_dressed: float
-    wet_rooms_with_mirror: float
-    textured_area: float
-
-
-class BrokenRule(TypedDict):
-    """A planning number that is not kept; need and have with `_m` are metres."""
-
-    rule: str
-    source: str
-    unit: str
-    at: list[float]
-    items: list[str]
-    need: NotRequired[float | None]
-    have: NotRequired[float | None]
-    need_m: NotRequired[float | None]
-    have_m: NotRequired[float | None]
-
-
-class Judged(TypedDict):
-    """Planning rules of a room, a table or the home."""
-
-    path: str
-    kind: str
-    rules_kept: int
-    rules: int
-    findings: list[BrokenRule]
-
-
-class Design(TypedDict):
-    """Planning rules of a house."""
-
-    rules_kept: float
-    rooms: list[Judged]
-    home: Judged
-
-
-class Unreachable(TypedDict):
-    """A room out of reach."""
-
-    path: str
-    shut_by: Literal["furniture", "plan"]
-
-
-class Certificate(TypedDict):
-    """check."""
-
-    holds: bool
-    valid: bool
-    errors: list[Finding]
-    collisions: list[Collision]
-    out_of_room: list[str]
-    blocked_openings: list[str]
-    unsupported: list[str]
-    empty_rooms: list[str]
-    walkable: float
-    reachable_rooms: float
-    por: float
-    piou: float
-    pairs: int
-    ood: list[Outlier]
-    complete: float
-    right: float
-    missing: list[Missing]
-    home_lacks: list[str]
-    misplaced: list[Misplaced]
-    objects: Objects
-    dressing: Dressing
-    design: Design
-    stairs: list[str]
-    unreachable: list[Unreachable]
-    faults: list[str]
 
 
 class Storey(TypedDict):

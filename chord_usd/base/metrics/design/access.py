@@ -68,7 +68,7 @@ def way_width(view: View) -> Iterator[Measured]:
     """The widest way that joins all doors of a room over its free floor; of a room with one door,
     the widest into its middle. A way no narrower than _WIDE_M is not measured wider."""
     floor, low = _floor(view)
-    away = cv2.distanceTransform(floor, cv2.DIST_L2, 5)
+    away: FloatArray = cv2.distanceTransform(floor, cv2.DIST_L2, 5).astype(float)
     places = [_cell(hole.middle + hole.inward * (hole.depth_m / 2 + 0.05), low)
               for hole in view.shell.ways]  # fmt: skip
     if not places:
