@@ -17,6 +17,7 @@ from chord_usd.base.metrics.complete import homely_rooms, lacking
 from chord_usd.base.metrics.design.price import broken_share, conflicts, tight
 from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import HomeView, View
+from chord_usd.base.metrics.rooms import is_studio, stands_in
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.metrics.walk import ways_shut
 from chord_usd.base.scene.palette import HOUSE_CATEGORIES
@@ -25,7 +26,6 @@ from chord_usd.base.scene.types import (
     Box,
     Item,
     Opening,
-    Plan,
     Room,
     RoomKind,
     SceneGraph,
@@ -316,14 +316,13 @@ def test_a_home_is_planned_for_those_who_sleep_in_it() -> None:
 def test_people_sleep_in_the_living_room_of_a_studio_only(
     others: tuple[RoomKind, ...],
 ) -> None:
-    lister = ListDrawer(Chance(), PIECES, "")  # type: ignore[arg-type]
     corners = frozen_array([(0, 0), (6.2, 0), (6.2, 4.2), (0, 4.2)])
     rooms = [Room("living", "living", corners)]
     rooms += [Room(kind, kind, frozen_array(corners * 0.4 + (6.5, 2 * at)))
               for at, kind in enumerate(others)]  # fmt: skip
-    house = furnish_by_lists(Plan(tuple(rooms), ()), lister, Drafts(seed=4, count=8))
-    has_bed = any(item.category == "bed" for item in house.items_of("living"))
-    assert has_bed == ("corridor" not in others)
+    sleeps = "corridor" not in others
+    assert ("bed" in programme_of(rooms, ())["living"]) == sleeps
+    assert stands_in("bed", "living", is_studio([room.kind for room in rooms])) == sleeps
 
 
 def test_the_draft_that_breaks_fewest_rules_is_taken() -> None:

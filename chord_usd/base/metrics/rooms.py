@@ -85,9 +85,11 @@ def stands_in(category: str, kind: RoomKind, in_studio: bool = False) -> bool:
 def is_studio(kinds: Sequence[RoomKind]) -> bool:
     """Whether a home of rooms of these kinds has one room to live and sleep in.
 
-    A corridor leads to rooms of other storeys: a home with one is no studio.
+    A corridor leads to rooms of other storeys: a home with one is no studio. A living room without
+    a bathroom is a room of a home that is not shown.
     """
-    return kinds.count("living") == 1 and {*kinds} <= {"living", *_BESIDE_STUDIO}
+    is_home = kinds.count("living") == 1 and "bathroom" in kinds
+    return is_home and {*kinds} <= {"living", *_BESIDE_STUDIO}
 
 
 def rooms_to_furnish(rooms: Iterable[Room]) -> list[Room]:
