@@ -1,7 +1,7 @@
 """Whether a reading is probably right: one verdict from all that is unsure of it, and the places of
 its doubts.
 
-Weights and bounds are set on 52 readings of real plans that were judged by eye (docs/plans.md).
+Weights and bounds are set on 58 readings of real plans that were judged by eye (docs/plans.md).
 """
 
 from __future__ import annotations
