@@ -49,22 +49,23 @@ def leaves_of(item: Item) -> list[Leaf]:
     asset = item.asset
     if asset is None or not asset.usd_path.with_name(JOINTED_LAYER).is_file():
         return []
-    found = openable(str(asset.usd_path))
-    if found is None:
+    known = openable(str(asset.usd_path))
+    if known is None:
         return []
     factor = np.array(item.box.size_m) / np.array(asset.size_m)
-    return [leaf.scaled(factor) for leaf in found.leaves]
+    return [leaf.scaled(factor) for leaf in known.leaves]
 
 
 def felt_boxes(item: Item) -> Boxes:
     """What a piece is felt as, in the world; its box without a mesh of this library."""
     asset = item.asset
-    known = asset is not None and asset.usd_path.with_name(PAYLOAD_LAYER).is_file()
-    found = openable(str(asset.usd_path)) if asset and known else None
-    if asset is None or found is None:
+    if asset is None or not asset.usd_path.with_name(PAYLOAD_LAYER).is_file():
+        return Boxes.filling(item.box)
+    known = openable(str(asset.usd_path))
+    if known is None:
         return Boxes.filling(item.box)
     factor = np.array(item.box.size_m) / np.array(asset.size_m)
-    return Boxes.of(found.felt_m * factor).placed(item.box)
+    return Boxes.of(known.felt_m * factor).placed(item.box)
 
 
 def _leaves(layer: Sdf.Layer, root: Sdf.PrimSpec) -> Iterator[Leaf]:

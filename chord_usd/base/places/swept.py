@@ -104,8 +104,8 @@ class Boxes:
     def filling(cls, box: Box) -> Boxes:
         """One box of the world."""
         length, depth, height = box.size_m
-        own = np.array([[-length / 2, -depth / 2, 0.0], [length / 2, depth / 2, height]])
-        return cls.of(own).placed(box)
+        bounds = np.array([[-length / 2, -depth / 2, 0.0], [length / 2, depth / 2, height]])
+        return cls.of(bounds).placed(box)
 
     @classmethod
     def joined(cls, parts: Sequence[Boxes]) -> Boxes:
@@ -128,16 +128,16 @@ class Boxes:
     def bounds(self) -> FloatArray:
         """(N, 2, 3) lowest and highest corners in the world."""
         reach = (np.abs(self.axes) * self.half[:, :, None]).sum(axis=1)
-        found: FloatArray = np.stack([self.middle - reach, self.middle + reach], axis=1)
-        return found
+        result: FloatArray = np.stack([self.middle - reach, self.middle + reach], axis=1)
+        return result
 
     @cached_property
     def corners(self) -> FloatArray:
         """(N, 8, 3)"""
         signs = 2.0 * _CORNERS - 1.0
         steps = (signs[None] * self.half[:, None]) @ self.axes
-        found: FloatArray = self.middle[:, None] + steps
-        return found
+        result: FloatArray = self.middle[:, None] + steps
+        return result
 
 
 WALL = -1
@@ -193,8 +193,8 @@ def _beyond(moving: Boxes, floor: shapely.Geometry) -> BoolArray:
     """(N,) whether a corner of a box lies beyond a floor."""
     corners = moving.corners
     inside = shapely.contains_xy(floor, corners[..., 0], corners[..., 1])
-    found: BoolArray = ~inside.all(axis=1)
-    return found
+    result: BoolArray = ~inside.all(axis=1)
+    return result
 
 
 def _meets(boxes: Boxes, others: Boxes) -> tuple[IndexArray, IndexArray]:
@@ -219,8 +219,8 @@ def _deep(boxes: Boxes, others: Boxes) -> BoolArray:
         (np.abs(np.einsum("pki,pji->pkj", axes, each.axes)) * each.half[:, None]).sum(axis=2)
         for each in (boxes, others)
     )
-    found: BoolArray = ((reach - gap > _TOUCH_M) | ~is_axis).all(axis=1)
-    return found
+    result: BoolArray = ((reach - gap > _TOUCH_M) | ~is_axis).all(axis=1)
+    return result
 
 
 def _turn(axis: int, angle_deg: float) -> FloatArray:

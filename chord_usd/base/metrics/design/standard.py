@@ -101,7 +101,7 @@ def standards_named(names: Iterable[str]) -> tuple[Standard, ...]:
     """Standards by their names, each once. Raises ChordError for an unknown name, and for two
     standards of which clauses contradict each other."""
     files = {_plain(name): name for name in NAMES}
-    found: dict[str, Standard] = {}
+    chosen: dict[str, Standard] = {}
     for name in names:
         known = files.get(_plain(name))
         if known is None:
@@ -109,18 +109,18 @@ def standards_named(names: Iterable[str]) -> tuple[Standard, ...]:
                 f"knows no standard {name!r}", where="--standard",
                 expected=f"one of {', '.join(NAMES)}",
             )  # fmt: skip
-        found[known] = _read(known)
-    for one, other in combinations(found.values(), 2):
-        for clause in one.clauses:
-            against = next((each for each in other.clauses if clause.contradicts(each)), None)
+        chosen[known] = _read(known)
+    for first, second in combinations(chosen.values(), 2):
+        for clause in first.clauses:
+            against = next((each for each in second.clauses if clause.contradicts(each)), None)
             if against is not None:
                 raise ChordError(
-                    f"{one.name} and {other.name} contradict each other: {_asks(clause)}, "
+                    f"{first.name} and {second.name} contradict each other: {_asks(clause)}, "
                     f"and {_asks(against)}",
                     where="--standard", expected="standards that one home can keep",
                     try_="one of them",
                 )  # fmt: skip
-    return tuple(found.values())
+    return tuple(chosen.values())
 
 
 def standards_in(names: str) -> tuple[Standard, ...]:
@@ -137,7 +137,7 @@ def planning_to(standards: Iterable[Standard]) -> Iterator[None]:
         for clause in standard.clauses:
             for kind in clause.kinds if clause.measure and HOME not in clause.kinds else ():
                 rules.setdefault(kind, []).append(clause.rule)
-    token = CLAUSES.set({kind: tuple(own) for kind, own in rules.items()})
+    token = CLAUSES.set({kind: tuple(clauses) for kind, clauses in rules.items()})
     try:
         yield
     finally:
@@ -194,9 +194,9 @@ class Kept:
     def lines(self) -> list[str]:
         """What does not keep the standard, a line each."""
         return [
-            f"{place or 'home'}: {found.said} ({self.standard.name}, {clause.name}), "
-            f"at {found.at[0]:.2f}, {found.at[1]:.2f} m"
-            for clause, place, found in self.findings
+            f"{place or 'home'}: {finding.said} ({self.standard.name}, {clause.name}), "
+            f"at {finding.at[0]:.2f}, {finding.at[1]:.2f} m"
+            for clause, place, finding in self.findings
         ]
 
     @property
@@ -212,8 +212,8 @@ class Kept:
             "standard": self.standard.name, "title": self.standard.title,
             "summary": self.summary, "holds": self.holds,
             "kept": list(self.kept), "idle": list(self.idle),
-            "findings": [{"clause": clause.name, "path": place, **found.as_json()}
-                         for clause, place, found in self.findings],
+            "findings": [{"clause": clause.name, "path": place, **finding.as_json()}
+                         for clause, place, finding in self.findings],
             "not_checked": [{"clause": clause.name, "text": clause.text, "source": clause.source}
                             for clause in self.unchecked],
         }  # fmt: skip
@@ -233,8 +233,8 @@ def keeping(standard: Standard, graphs: Sequence[SceneGraph], *, of_plan: bool =
             continue
         judged = [judge([clause.rule], seen, place, "home", 0.0) for place, seen in
                   _asked(clause, home)]  # fmt: skip
-        judged = [one for one in judged if one.asked]
-        broken = [(clause, one.place, found) for one in judged for found in one.findings]
+        judged = [each for each in judged if each.asked]
+        broken = [(clause, each.place, finding) for each in judged for finding in each.findings]
         findings += broken
         if not judged:
             idle.append(clause.name)

@@ -33,15 +33,15 @@ def note_design(layer: Sdf.Layer, levels: Sequence[Level]) -> None:
 
 
 def _note(prim: Sdf.PrimSpec, judged: Sequence[Judged]) -> None:
-    weight = sum(one.weight for one in judged)
+    weight = sum(each.weight for each in judged)
     if not weight:
         return
     lines = [
-        f"{found.said} ({found.source}), at {found.at[0]:.2f}, {found.at[1]:.2f} m"
-        for one in judged
-        for found in one.findings
+        f"{finding.said} ({finding.source}), at {finding.at[0]:.2f}, {finding.at[1]:.2f} m"
+        for each in judged
+        for finding in each.findings
     ]
-    share = sum(one.won for one in judged) / weight
+    share = sum(each.won for each in judged) / weight
     note(prim, design_share=round(share, 4), design_findings=lines)
 
 

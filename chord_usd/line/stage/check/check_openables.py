@@ -108,8 +108,8 @@ def _opens(
         stopped_by = "a wall" if owner == WALL else "a casing" if owner == _TRIM else names[owner]
     unit, scale = ("degrees", 1.0) if leaf.turns else ("cm", 100.0)
     whole = abs(leaf.opens) * scale
-    told = f"{whole * way.share:.0f} of {whole:.0f} {unit}"
-    return Opens(f"{each.item.id}/{leaf.name}", round(way.share, 3), told, stopped_by)
+    words = f"{whole * way.share:.0f} of {whole:.0f} {unit}"
+    return Opens(f"{each.item.id}/{leaf.name}", round(way.share, 3), words, stopped_by)
 
 
 def _placed(
@@ -127,4 +127,4 @@ def _placed(
 def _asset_of(prim: Usd.Prim) -> Openable | None:
     layers: Iterator[Sdf.Layer] = (spec.layer for spec in prim.GetPrimStack())
     names: Sequence[str] = list(dict.fromkeys(layer.identifier for layer in layers))
-    return next((found for name in names if (found := openable(name)) is not None), None)
+    return next((asset for name in names if (asset := openable(name)) is not None), None)
