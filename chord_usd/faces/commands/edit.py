@@ -13,7 +13,6 @@ from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import in_place_of, output_file, with_suffixes
 
 if TYPE_CHECKING:
-    from chord_usd.faces.commands.results import Edited
     from chord_usd.line.pipeline.edit_house import Reading
 
 
@@ -67,7 +66,7 @@ def run(options: argparse.Namespace) -> Outcome:
         force=options.force, dry_run=options.dry_run,
     )  # fmt: skip
     check = certificate(report)
-    data: Edited = {
+    data = {
         "stage": str(target), **_data(reading), "added": list(done.added),
         "removed": list(done.removed), "moved": list(done.moved),
         "taken_over": list(done.taken_over), "written": not options.dry_run,

@@ -26,7 +26,6 @@ from chord_usd.faces.commands.planned import add_sources, plan_source, planned_r
 
 if TYPE_CHECKING:
     from chord_usd.base.runtime.files import Delivery
-    from chord_usd.faces.commands.results import Generated
     from chord_usd.line.pipeline.whole_house import FurnishedStorey, House
 
 
@@ -138,7 +137,7 @@ def _numbered(house: House, path: Path) -> Iterator[tuple[FurnishedStorey, Path]
 
 def _summary(
     house: House, stage: Path, seconds: dict[str, float], check: dict[str, Any] | None
-) -> Generated:
+) -> dict[str, Any]:
     from chord_usd.line.arrange.rules import edits_told
 
     graphs, storeys = house.graphs, house.storeys

@@ -23,7 +23,6 @@ from chord_usd.faces.commands.house_options import add_options, settings_of
 
 if TYPE_CHECKING:
     from chord_usd.base.scene.types import Room
-    from chord_usd.faces.commands.results import GraphRead
 
 
 def add(verbs: Verbs) -> None:
@@ -52,7 +51,7 @@ def run(options: argparse.Namespace) -> Outcome:
             graph = reader.read(layout)
         _refuse_sprawl(graph.rooms, options)
         write_scene(graph, target)
-    data: GraphRead = {
+    data = {
         "graph": str(options.output),
         "rooms": len(graph.rooms),
         "furniture": len(graph.items),

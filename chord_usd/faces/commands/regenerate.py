@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from chord_usd.base.runtime.counting import counted
 from chord_usd.base.runtime.files import deliver
@@ -21,9 +20,6 @@ from chord_usd.faces.commands.common import (
 )
 from chord_usd.faces.commands.house_options import add_options, settings_of
 from chord_usd.faces.commands.paths import in_place_of, output_file, with_suffixes
-
-if TYPE_CHECKING:
-    from chord_usd.faces.commands.results import Regenerated
 
 
 def add(verbs: Verbs) -> None:
@@ -110,7 +106,7 @@ def run(options: argparse.Namespace) -> Outcome:
     new_ids = {piece.id for piece in made.new_items}
     furniture = len(pieces)
     seed = made.layout.provenance.seed
-    data: Regenerated = {
+    data = {
         "stage": str(target),
         "room": made.room_name,
         "seed": seed,

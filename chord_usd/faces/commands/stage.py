@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from chord_usd.base.runtime.counting import counted_rooms
 from chord_usd.base.runtime.files import deliver
@@ -19,9 +18,6 @@ from chord_usd.faces.commands.common import (
     stopwatch,
 )
 from chord_usd.faces.commands.house_options import add_options, settings_of
-
-if TYPE_CHECKING:
-    from chord_usd.faces.commands.results import Staged
 
 
 def add(verbs: Verbs) -> None:
@@ -58,7 +54,7 @@ def run(options: argparse.Namespace) -> Outcome:
             graph = settle(graph, settings)
             stage = write_stage(graph, target, settings)
         check = None if options.no_check else certified(target, watch)
-    data: Staged = {
+    data = {
         "stage": str(options.output),
         "style": graph.style,
         "rooms": len(graph.rooms),
