@@ -1,4 +1,4 @@
-"""How rooms and home keep the planning rules, noted on their prims.
+"""How rooms keep the planning rules, noted on their groups of furniture.
 
 `chord:design_share` is the share of the rules kept, [0, 1]; `chord:design_findings` holds a line
 for each value that misses its number. An edit removes both from the rooms that it changes.
@@ -14,6 +14,7 @@ from typing import Any
 from pxr import Sdf
 
 from chord_usd.base.metrics.design import Judged, design_of
+from chord_usd.line.stage.author.furniture import FURNITURE
 from chord_usd.line.stage.author.prims import note
 from chord_usd.line.stage.author.stage_levels import Level, room_spec
 
@@ -21,15 +22,16 @@ SHARE, FINDINGS = "design_share", "design_findings"
 
 
 def note_design(layer: Sdf.Layer, levels: Sequence[Level]) -> None:
-    """Note the planning rules of each room and of the home."""
+    """Note the planning rules of each room; an edit of one changes those of the home, too."""
     design = design_of([level.graph for level in levels])
     paths = {room.room.id: room.path for level in levels for room in level.rooms}
     by_room: dict[str, list[Judged]] = {}
     for judged in design.rooms:
         by_room.setdefault(judged.place, []).append(judged)
     for room_id, judged_as in by_room.items():
-        _note(layer.GetPrimAtPath(paths[room_id]), judged_as)
-    _note(layer.GetPrimAtPath("/House"), [design.home])
+        group = layer.GetPrimAtPath(f"{paths[room_id]}/{FURNITURE}")
+        if group:
+            _note(group, judged_as)
 
 
 def _note(prim: Sdf.PrimSpec, judged: Sequence[Judged]) -> None:
@@ -46,8 +48,9 @@ def _note(prim: Sdf.PrimSpec, judged: Sequence[Judged]) -> None:
 
 
 def forget_design(layer: Sdf.Layer, rooms: Iterable[str]) -> None:
-    """Remove the notes of the home and of rooms, by the names of their prims."""
-    for prim in (layer.GetPrimAtPath("/House"), *(room_spec(layer, name) for name in rooms)):
+    """Remove the notes of rooms, by the names of their prims."""
+    specs = (room_spec(layer, name) for name in rooms)
+    for prim in (spec.nameChildren.get(FURNITURE) for spec in specs if spec):
         for name in (SHARE, FINDINGS):
             if prim and f"chord:{name}" in prim.attributes:
                 prim.RemoveProperty(prim.attributes[f"chord:{name}"])
