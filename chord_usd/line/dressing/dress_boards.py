@@ -16,6 +16,10 @@ from chord_usd.line.dressing.stock import within
 _STANDS_M = 0.0005
 """Above the board, so that nothing is in it."""
 
+_SUNK_M, _PROUD_M = 0.008, 0.002
+"""What a thing stands on may lie so far below the top of its piece, and above: the tip of a
+television's foot lifts nothing."""
+
 _LEANS_WITHIN_M = 0.045
 """From the wall to the back of what leans on it."""
 
@@ -316,4 +320,5 @@ def _carries(frame: RoomFrame, board: Board, box: Box, x: float, y: float, asset
     top_m = board.host.box.size_m[2]
     mask, window = relief.under(own)
     heights = relief.heights_m[window][mask]
-    return bool(heights.size) and bool(np.all(np.abs(heights - top_m) < 0.008))
+    over_m = heights - top_m
+    return bool(heights.size) and bool(np.all((over_m > -_SUNK_M) & (over_m < _PROUD_M)))
