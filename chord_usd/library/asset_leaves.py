@@ -11,6 +11,7 @@ import numpy as np
 from pxr import Sdf
 
 from chord_usd.base.places.swept import Boxes, Leaf
+from chord_usd.base.runtime.stages import layer_beside
 from chord_usd.base.scene.types import FloatArray, Item
 from chord_usd.library.kit.jointed import JOINTED_LAYER, JOINTS, PAYLOAD_LAYER
 
@@ -30,11 +31,7 @@ class Openable:
 def openable(interface: str) -> Openable | None:
     """What opens of an asset, by the identifier of its interface layer; None for assets of other
     makers, whose layers are not known."""
-    layer = Sdf.Layer.FindOrOpen(interface)
-    payload, jointed = (
-        Sdf.Layer.FindOrOpen(layer.ComputeAbsolutePath(f"./{name}")) if layer else None
-        for name in (PAYLOAD_LAYER, JOINTED_LAYER)
-    )
+    payload, jointed = (layer_beside(interface, name) for name in (PAYLOAD_LAYER, JOINTED_LAYER))
     if payload is None:
         return None
     felt = [bounds for root in payload.rootPrims for bounds in _felt(payload, root)]

@@ -68,7 +68,7 @@ def test_a_piece_before_a_door_stops_it_and_the_report_says_where(tmp_path, data
     assert {one.stopped_by.rsplit("/", 1)[-1] for one in shut.shut} == {"Table_0"}
     assert any("Cabinet_0/Door" in fault for fault in (*shut.faults, *shut.flaws))
     assert main(["check", str(tmp_path / "shut/house.usda")]) in (DONE, NOT_HELD)
-    assert "doors and drawers of furniture open" in capsys.readouterr().out
+    assert "of furniture (doors, drawers, flaps) open" in capsys.readouterr().out
     wide = report(tmp_path / "free", house(free))
     assert wide.opens
     assert not wide.shut

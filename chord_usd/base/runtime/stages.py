@@ -28,14 +28,8 @@ if TYPE_CHECKING:
 
 EXPECTED = "a .usda, .usdc or .usdz stage"
 
-MOST_LAYERS = 10_000
-"""A house has about a hundred."""
-
-MOST_PRIMS = 1_000_000
-"""With those inside instances, as a walk through the stage meets them; a house has 20,000."""
-
-DEEPEST = 256
-"""Prims above one another; a house has ten."""
+MOST_LAYERS, MOST_PRIMS, DEEPEST = 10_000, 1_000_000, 256
+"""A house has a hundred layers, 20,000 prims with those inside instances, ten above one another."""
 
 _log = logging.getLogger(__name__)
 _SPECIAL = (stat.S_ISFIFO, stat.S_ISCHR, stat.S_ISBLK, stat.S_ISSOCK)
@@ -103,6 +97,14 @@ def open_layer(path: Path) -> Sdf.Layer:
     if not layer:
         raise _not_a_stage(path)
     return layer
+
+
+def layer_beside(identifier: str, name: str) -> Sdf.Layer | None:
+    """The layer of this name in the folder or package of one that was opened before, or None."""
+    from pxr import Sdf
+
+    layer = Sdf.Layer.FindOrOpen(identifier)
+    return layer and Sdf.Layer.FindOrOpen(layer.ComputeAbsolutePath(f"./{name}"))
 
 
 @contextmanager

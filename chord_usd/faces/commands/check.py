@@ -77,7 +77,8 @@ def _opens(report: Report) -> list[str]:
     if not report.opens:
         return []
     free = len(report.opens) - len(report.shut)
-    return [f"  {free} of {len(report.opens)} doors and drawers of furniture open"]
+    leaves = counted(len(report.opens), "leaf", "leaves")
+    return [f"  {free} of {leaves} of furniture (doors, drawers, flaps) open"]
 
 
 def _outliers(ood: list[dict[str, Any]]) -> list[str]:
