@@ -4,6 +4,7 @@ import test from "node:test";
 import { isOver, oneAtATime } from "./static/api.js";
 import { openPlan } from "./static/outline.js";
 import * as model from "./static/plan_model.js";
+import { findingsOf } from "./static/planning.js";
 import { floorsOf } from "./static/walker.js";
 
 const box = (id, kind, x, y, wide, deep) => ({
@@ -105,4 +106,20 @@ test("work is done in turn, also after work that failed", async () => {
   await turn();
   assert.deepEqual(seen, ["begin", "end", "begin", "end", "begin", "end"]);
   assert.deepEqual(["queued", "running", "done"].map((state) => isOver({ state })), [false, false, true]);
+});
+
+test("planning rules that are not kept name room, numbers and source, the worst room first", () => {
+  const finding = (unit, rest) => ({ rule: "a rule", source: "HUD 1973", unit, items: [], at: [0, 0], ...rest });
+  const living = { path: "/House/Rooms/LivingRoom_0", rules: 9, rules_kept: 8, findings: [finding("count", { have: 1, need: 0, items: ["/House/a"] })] };
+  const bath = { path: "/House/Rooms/Bathroom_0", rules: 9, rules_kept: 6, findings: [
+    finding("m", { have_m: 0.407, need_m: 1 }), finding("deg", { have: 30.2, need: 20 }), finding("share", { have: 0.25, need: 0.5 }),
+  ] };
+  const home = { path: "", rules: 4, rules_kept: 4, findings: [] };
+  assert.deepEqual(findingsOf({ rooms: [living, bath], home }), [
+    { text: "Bathroom_0, a rule: 41 cm, not 100 cm (HUD 1973)", paths: ["/House/Rooms/Bathroom_0"] },
+    { text: "Bathroom_0, a rule: 30°, not 20° (HUD 1973)", paths: ["/House/Rooms/Bathroom_0"] },
+    { text: "Bathroom_0, a rule: 25 %, not 50 % (HUD 1973)", paths: ["/House/Rooms/Bathroom_0"] },
+    { text: "LivingRoom_0, a rule: 1, not 0 (HUD 1973)", paths: ["/House/a"] },
+  ]);
+  assert.deepEqual(findingsOf(undefined), []);
 });

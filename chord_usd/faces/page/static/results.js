@@ -1,6 +1,7 @@
 // What was made of a house: its certificate, pictures, files and earlier versions.
 import { ask, file, isOver } from "./api.js";
 import { button, choice, complain, el, field } from "./dom.js";
+import { findingsOf } from "./planning.js";
 
 /** A tab that is drawn anew when the house has changed. */
 function redrawn(app, draw) {
@@ -37,10 +38,25 @@ function certificate(app, version) {
     told.holds ? el("p", { class: "quiet" }, "Nothing collides, nothing floats, no opening is blocked.") : null,
     told.walkable === undefined ? null : el("p", {}, `Of the walkable floor, ${percent(told.walkable)} hang together; ${percent(told.reachable_rooms)} of the rooms can be reached. Complete rooms: ${percent(told.complete)}.`),
     faults.length
-      ? el("ul", { class: "list" }, ...faults.map(({ text, paths }) => el("li", {}, button(text, () => app.open("house", { paths })))))
+      ? leading(app, faults)
       : told.holds ? el("p", {}, "No fault was found.") : null,
+    ...planning(app, told.design),
     button("Check again, with your changes", () => app.start("check", { version: version.number })),
     ...versions(app),
+  ];
+}
+
+/** A list of what leads to its place in the house. */
+const leading = (app, rows) =>
+  el("ul", { class: "list" }, ...rows.map(({ text, paths }) => el("li", {}, button(text, () => app.open("house", { paths })))));
+
+/** How the home keeps published planning numbers, and where it does not. */
+function planning(app, design) {
+  if (!design) return [];
+  const findings = findingsOf(design);
+  return [
+    el("h2", {}, `Planning: ${percent(design.rules_kept)} of the rules are kept`),
+    findings.length ? leading(app, findings) : el("p", {}, "Every rule is kept."),
   ];
 }
 
