@@ -240,7 +240,7 @@ def test_the_steps_one_by_one_give_the_same_furniture(
 ) -> None:
     done = run_cli(
         "graph",
-        first_draw.folder / "layout.png",
+        first_draw.folder / "kept/layout_first.png",
         "-o",
         tmp_path / "scene.json",
         "--progress",

@@ -10,6 +10,7 @@ import numpy as np
 
 from chord_usd.base.metrics.clear_floor import shut_borders
 from chord_usd.base.metrics.complete import lacking
+from chord_usd.base.metrics.rooms import is_studio
 from chord_usd.base.scene.types import Box, Item, Plan, SceneGraph
 from chord_usd.workshop.data.furnish.appliances import add_appliances
 from chord_usd.workshop.data.furnish.attached_openings import (
@@ -18,7 +19,7 @@ from chord_usd.workshop.data.furnish.attached_openings import (
     keep_ways_in,
 )
 from chord_usd.workshop.data.furnish.bathroom import furnish_bathroom
-from chord_usd.workshop.data.furnish.bedroom import furnish_bedroom
+from chord_usd.workshop.data.furnish.bedroom import furnish_bedroom, put_bed
 from chord_usd.workshop.data.furnish.dining import furnish_dining
 from chord_usd.workshop.data.furnish.floor import Floor, Placed
 from chord_usd.workshop.data.furnish.guess import guess_kinds
@@ -65,6 +66,8 @@ def furnish(plan: Plan, rng: np.random.Generator, statistics: Statistics = "home
     attach_openings(floors, plan.openings)
     attach_fixtures(floors, plan.extra.get("fixtures", ()))
     guess_kinds(floors)
+    for floor in floors:
+        floor.is_studio = floor.kind == "living" and is_studio([each.kind for each in floors])
     laundry = _laundry_balcony(floors, dice)
     for floor in floors:
         if len(floor.corners) >= 3:
@@ -127,7 +130,8 @@ def _missing(floor: Floor) -> int:
     standing = [piece.category for piece in floor.placed]
     if floor.kind == "study":
         return int("table" not in standing)
-    return len(lacking(floor.kind, floor.area_m2, standing))
+    needs_bed = floor.is_studio and "bed" not in standing
+    return len(lacking(floor.kind, floor.area_m2, standing)) + needs_bed
 
 
 def _furnish_room(floor: Floor, floors: Sequence[Floor], plan: Plan, is_laundry: bool) -> None:
@@ -135,6 +139,8 @@ def _furnish_room(floor: Floor, floors: Sequence[Floor], plan: Plan, is_laundry:
         case "bedroom":
             furnish_bedroom(floor)
         case "living":
+            if floor.is_studio:
+                put_bed(floor)
             furnish_living(floor, with_dining=not any(f.kind == "dining" for f in floors))
         case "dining":
             furnish_dining(floor)

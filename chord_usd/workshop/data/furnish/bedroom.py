@@ -41,7 +41,7 @@ class BedPlace(NamedTuple):
 def furnish_bedroom(floor: Floor) -> None:
     """Furnish in the order of importance; what no longer fits is left out."""
     dice, mix = floor.dice, floor.mix
-    place = _put_bed(floor)
+    place = put_bed(floor)
     storage = mix.storage if floor.area_m2 > 8.0 else mix.storage_small
     _put_storage_and_desk(floor, dice.random() < storage, dice.random() < mix.desk)
     if place and floor.area_m2 > 10.0 and dice.random() < mix.bedroom_television:
@@ -71,7 +71,7 @@ def _put_wardrobe(floor: Floor) -> bool:
     return put_cabinet(floor, tall=True, longest=usual)
 
 
-def _put_bed(floor: Floor) -> BedPlace | None:
+def put_bed(floor: Floor) -> BedPlace | None:
     """The widest bed that suits the room's area and fits; narrower ones after it."""
     dice = floor.dice
     spare: tuple[BedPlace, Size, Size | None] | None = None

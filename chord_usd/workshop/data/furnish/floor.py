@@ -94,6 +94,8 @@ class Floor:
         self.windows: list[tuple[Wall, float, float, float]] = []
         self.hints: list[tuple[str, float, float]] = []
         """Fixtures the drawing shows here: category and middle."""
+        self.is_studio = False
+        """Whether people sleep in this living room."""
         self.placed: list[Placed] = []
         self.walked = -1
         """How many pieces stood here when the paths were last found free; -1 where not known."""

@@ -66,6 +66,8 @@ PROGRAMMES: dict[RoomKind, tuple[tuple[Fitting, ...], ...]] = {
     "study": ((Fitting("table", (0.8, 0.45, 0.75), 0.5),), (_CHEST,)),
 }  # fmt: skip
 """By kind of room, what one would rather have first."""
+STUDIO = ((_BED, _SOFA), (_BED, _SEAT), (_BED,), *PROGRAMMES["living"])
+"""The same of a living room where people sleep."""
 
 
 def furnish_least(floor: Floor, fewest: int = 1) -> None:
@@ -74,7 +76,8 @@ def furnish_least(floor: Floor, fewest: int = 1) -> None:
     To be called for a room that holds nothing, as narrow as can be. fewest: pieces of the
     programmes to try.
     """
-    for programme in PROGRAMMES.get(floor.kind, ()):
+    programmes = STUDIO if floor.is_studio else PROGRAMMES.get(floor.kind, ())
+    for programme in programmes:
         if len(programme) >= fewest and place_jointly(
             floor, programme, partial(_far_from_doors, floor), MOST_TRIES, any_order=True
         ):
