@@ -235,3 +235,13 @@ def test_a_run_reads_its_open_folder_only(
     done = run_cli(*given, env={"CHORD_USD_ROOT": str(root)})
     assert done.returncode == 2
     assert "outside the folder that is open" in done.stderr
+
+
+@pytest.mark.parametrize("option", ["--camera", "--passes"])
+@pytest.mark.parametrize("text", ["", " , "])
+def test_an_empty_list_of_names_is_no_list_of_all(
+    option: str, text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["render", str(tmp_path / "house.usda"), f"{option}={text}", "-o", str(tmp_path / "o")]
+    assert main(words) == 2
+    assert "is empty" in capsys.readouterr().err

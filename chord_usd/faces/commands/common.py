@@ -281,5 +281,8 @@ def frames(text: str) -> tuple[int, int]:
 
 
 def names(text: str) -> tuple[str, ...]:
-    """An option type: names with commas between them."""
-    return tuple(name for name in text.split(",") if name)
+    """An option type: names with commas between them, at least one."""
+    listed = tuple(name for part in text.split(",") if (name := part.strip()))
+    if not listed:
+        raise argparse.ArgumentTypeError("is empty")
+    return listed
