@@ -183,12 +183,16 @@ def _basin(view: View) -> Iterator[Change]:
             yield from (_with(view, at, one) for one in _grown(box, length, box.size_m[1]))
 
 
+def _longest_sofa(view: View) -> int | None:
+    """Number of the sofa that others are arranged about."""
+    return max(view.of("sofa"), key=lambda at: view.length[at], default=None)
+
+
 def _coffee_table(view: View) -> Iterator[Change]:
     """The table before the middle of the sofa, in easy reach."""
-    sofas, tables = view.of("sofa"), view.of("coffee_table")
-    if not sofas:
+    sofa, tables = _longest_sofa(view), view.of("coffee_table")
+    if sofa is None:
         return
-    sofa = max(sofas, key=lambda at: view.length[at])
     box = view.items[sofa].box
     size = view.items[tables[0]].box.size_m if tables else (0.9, 0.55, 0.42)
     ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + size[1] / 2)
@@ -202,10 +206,9 @@ def _coffee_table(view: View) -> Iterator[Change]:
 
 def _armchairs(view: View) -> Iterator[Change]:
     """Armchairs at both ends of the coffee table, turned to it."""
-    sofas, tables = view.of("sofa"), view.of("coffee_table")
-    if not sofas:
+    sofa, tables = _longest_sofa(view), view.of("coffee_table")
+    if sofa is None:
         return
-    sofa = max(sofas, key=lambda at: view.length[at])
     box = view.items[sofa].box
     focus = tables[0] if tables else sofa
     u, v = view.own(sofa, view.at[focus])

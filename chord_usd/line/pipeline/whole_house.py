@@ -202,8 +202,10 @@ def redraw(made: FurnishedStorey, progress: Progress) -> None:
         times=settings.redraws, settle=leave_out, progress=progress,
     )  # fmt: skip
     database = models.reader.database
-    graph, made.layout = match_assets(made.mended.graph, database), made.mended.layout
-    if settings.arrange:
+    graph, made.layout = made.mended.graph, made.mended.layout
+    if not settings.arrange:
+        graph = match_assets(graph, database)
+    else:
 
         def finish(house: SceneGraph) -> SceneGraph:
             return match_assets(arrange_drawn(match_assets(house, database), draw), database)
