@@ -10,21 +10,13 @@ import pytest
 
 from chord_usd.base.errors import ChordError
 from chord_usd.base.raster import canvas
-from chord_usd.base.runtime.progress import Stopwatch
 from chord_usd.base.scene.types import Item, LayoutImage, Plan, PlanImage, Provenance, SceneGraph
 from chord_usd.line.lists.list_sampler import Drawn, Subject
 from chord_usd.line.lists.pieces import frame_of, pieces_of
 from chord_usd.line.lists.vocabulary import Element
 from chord_usd.line.lists.wishes import Asked, Piece
-from chord_usd.line.pipeline.redraw import (
-    WISH_DRAWS,
-    Draw,
-    Mended,
-    arrange_drawn,
-    faults_by_room,
-    furnish_again,
-    mend_rooms,
-)
+from chord_usd.line.pipeline.redraw import WISH_DRAWS, Draw, arrange_drawn, faults_by_room
+from chord_usd.line.pipeline.resample import Mended, Resampler, furnish_again, mend_rooms
 
 
 class Painter:
@@ -52,7 +44,8 @@ def mended(
     plan_image = canvas.draw_plan(graph.plan, canvas.house_frame(graph.plan))
     layout = replace(canvas.layout_image(plan_image, graph.items), provenance=Provenance())
     draw = Draw(seed=7, asked=asked or {})
-    return mend_rooms(graph, layout, plan_image, painter, painter.read, draw, times=times)
+    sampler = Resampler(plan_image, painter, painter.read, draw)
+    return mend_rooms(graph, layout, sampler, times=times)
 
 
 @pytest.fixture
@@ -244,14 +237,14 @@ def test_what_the_painter_will_not_paint_is_given_from_a_list(
     house = sound_house.without([bed.id])
     plan_image = canvas.draw_plan(house.plan, canvas.house_frame(house.plan))
     painter = Painter(others)
-    drawn, found = furnish_again(
-        house, room, plan_image, painter, painter.read, draw, kept, Stopwatch()
-    )
+    made = furnish_again(house, room, Resampler(plan_image, painter, painter.read, draw, kept))
+    found = made.graph
     assert len(painter.seeds) == 2
     (given,) = (item for item in found.items_of(room.id) if item.category == "bed")
     assert np.allclose(given.box.center_m[:2], bed.box.center_m[:2], atol=0.06)
     assert {item.id for item in found.items_of(room.id)} >= set(kept)
-    assert not (drawn.before.rgb == drawn.layout.rgb).all()
+    before = canvas.layout_image(plan_image, house.items)
+    assert not (before.rgb == made.layout.rgb).all()
 
 
 def test_what_finds_no_place_is_an_error_that_names_it(sound_house: SceneGraph) -> None:
@@ -296,12 +289,10 @@ def test_a_room_furnished_anew_holds_what_is_wished_under_its_own_seed(
     room = sound_house.plan.room(bed.room_id)
 
     def anew(painter: Painter, **asked: Asked) -> SceneGraph:
-        draw, watch = Draw(5, asked=asked), Stopwatch()
-        drawn, graph = furnish_again(
-            sound_house, room, plan_image, painter, painter.read, draw, (), watch
-        )
-        assert drawn.layout.provenance.seed == graph.provenance.seed == 5
-        return graph
+        sampler = Resampler(plan_image, painter, painter.read, Draw(5, asked=asked))
+        made = furnish_again(sound_house, room, sampler)
+        assert made.layout.provenance.seed == made.graph.provenance.seed == 5
+        return made.graph
 
     others = tuple(item for item in own if item.category != "bed")
     painter = Painter(others, others, own)

@@ -10,7 +10,8 @@ from chord_usd.base.raster import canvas
 from chord_usd.base.scene.geometry import footprint
 from chord_usd.base.scene.types import Item, LayoutImage, PixelFrame, PlanImage, SceneGraph
 from chord_usd.base.scene.units import px_from_m
-from chord_usd.line.pipeline.redraw import Draw, faults_by_room, pasted, with_furniture
+from chord_usd.line.pipeline.redraw import Draw, faults_by_room
+from chord_usd.line.pipeline.resample import pasted, with_furniture
 
 TORN = 0.02
 """Share of a room's rules that the painter may break."""

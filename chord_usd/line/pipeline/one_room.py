@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from chord_usd.base.raster import canvas
 from chord_usd.base.runtime.progress import Stopwatch
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.palette import Mount, category
@@ -23,7 +24,7 @@ from chord_usd.line.pipeline import (
     score_outliers,
     settle,
 )
-from chord_usd.line.pipeline.redraw import TOUCH_M2, furnish_again
+from chord_usd.line.pipeline.resample import TOUCH_M2, Resampler, furnish_again
 
 if TYPE_CHECKING:
     from chord_usd.library.database import AssetDatabase
@@ -119,10 +120,11 @@ def regenerate(
     own = replace(settings, seed=seed)
     plan_image = draw_plan(house.graph.plan)
     draw = sampling(own, models.lists, asked)
-    drawn, graph = furnish_again(
-        bare, room, plan_image, models.layout, models.reader.read, draw, kept_ids, watch
+    sampler = Resampler(
+        plan_image, models.layout, models.reader.read, draw, kept_ids, step=watch.step
     )
-    graph = _beside_dressing(graph, room, house.graph.dressing, kept_ids)
+    made = furnish_again(bare, room, sampler)
+    graph = _beside_dressing(made.graph, room, house.graph.dressing, kept_ids)
     others = {item.id for item in house.graph.items if item.room_id != room.id}
     graph = match_assets(graph, models.reader.database, but=others | kept_ids)
     with watch.step("outliers"):
@@ -136,8 +138,8 @@ def regenerate(
         graph = replace(graph, style=style.name)
         graph = _dressed(graph, house, room, models.reader.database, own, kept_ids)
     return Regenerated(
-        source, room_name, room, drawn.before, drawn.layout, graph, tuple(kept.values()), kept_ids,
-        style.name, house.seed,
+        source, room_name, room, canvas.layout_image(plan_image, bare.items), made.layout, graph,
+        tuple(kept.values()), kept_ids, style.name, house.seed,
     )  # fmt: skip
 
 

@@ -29,7 +29,8 @@ from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph,
 from chord_usd.line.pipeline import steps
 from chord_usd.line.pipeline.as_listed import as_listed
 from chord_usd.line.pipeline.loading import Models, load_models, with_networks
-from chord_usd.line.pipeline.redraw import Draw, Mended, arrange_drawn, mend_rooms
+from chord_usd.line.pipeline.redraw import Draw, arrange_drawn
+from chord_usd.line.pipeline.resample import Mended, Resampler, mend_rooms
 
 if TYPE_CHECKING:
     from chord_usd.line.graph.tabletop import Tabletops
@@ -197,10 +198,15 @@ def redraw(made: FurnishedStorey, progress: Progress) -> None:
         made.graph, made.layout = as_listed(
             made.graph, made.listed, made.layout, made.plan_image, draw, leave_out
         )
+    sampler = Resampler(made.plan_image, models.layout, models.reader.read, draw)
     made.mended = mend_rooms(
-        made.graph, made.layout, made.plan_image, models.layout, models.reader.read, draw,
-        times=settings.redraws, settle=leave_out, progress=progress,
-    )  # fmt: skip
+        made.graph,
+        made.layout,
+        sampler,
+        times=settings.redraws,
+        settle=leave_out,
+        progress=progress,
+    )
     database = models.reader.database
     graph, made.layout = made.mended.graph, made.mended.layout
     if not settings.arrange:
