@@ -1,6 +1,7 @@
 # make house   set up the core, furnish an example plan and render it into out/
 # make test    set up all extras, too, and run the tests of each commit
 # make acceptance   the long tests: fuzzing, limits, whole houses, the commands of the documents
+# make coverage   which lines of the package the unit tests run
 # make lint    ruff and mypy
 # make extension   build the Blender extension into dist/
 
@@ -28,7 +29,7 @@ ALONE = $(shell grep -rl 'mark\.alone' tests)
 
 MINUTES ?= 30
 
-.PHONY: setup setup-dev house test test-tools acceptance acceptance-tools lint train-next wheel extension clean
+.PHONY: setup setup-dev house test test-tools acceptance acceptance-tools coverage lint train-next wheel extension clean
 
 setup: .venv/.ready
 
@@ -81,6 +82,11 @@ acceptance: acceptance-tools
 	$(PARALLEL) --dist loadfile -m 'acceptance and not alone' tests
 	$(BIN)/python -m pytest -m 'acceptance and alone' $(ALONE) || test $$? = 5  # 5: there are none
 
+# In one process: no subprocess of a test counts.
+coverage: setup-dev
+	OMP_NUM_THREADS=1 $(BIN)/python -m coverage run -m pytest -m 'not acceptance' tests/unit
+	$(BIN)/python -m coverage report --format total
+
 lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -100,4 +106,4 @@ extension: $(if $(filter .venv/bin,$(BIN)),setup)
 	$(BIN)/python $(BLENDER_EXT) validate dist/chord_usd-*.zip
 
 clean:
-	rm -rf build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis .coverage
