@@ -1,8 +1,9 @@
-"""Houses cut open: walls cut at a height for a view of all rooms, one room alone on a turntable."""
+"""Houses cut open: walls and tall furniture cut at a height for a view of all rooms, as a model on
+a table; one room alone on a turntable."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import bmesh
@@ -25,6 +26,10 @@ _SHEETS = ("Wall", "Facade", "Lining")
 
 _CAP_FROM = "WallTop"
 _LID = "CutTop"
+_LID_ALBEDO = 0.85
+_BASE = "ModelBase"
+_BASE_ALBEDO, _BASE_BELOW_M, _BASE_REACH_M = 0.8, 0.02, 200.0
+"""Of the surface under the model, which shows its shadow alone and lights its facades."""
 _CATEGORY, _NODE, _RESTS_ON = "chord:category", "chord:node_id", "chord:rests_on"
 _OPENINGS = ("door", "window", "passage")
 _HUNG = (Mount.WALL, Mount.WINDOW, Mount.CEILING)
@@ -33,6 +38,8 @@ _BELOW_M = 0.7e-3
 """A cut is so much lower: sills and heads lie at round heights, and where a plane runs through
 corners there is no telling which sides of it they are on."""
 _NEAR_WALL_M = 0.3
+_OVER_M = 0.15
+"""Things are cut that are so much higher than the walls."""
 
 _NEXT_FLOOR_M = 1.5
 """A cut is no lower than this under the floor above: what stands higher is of another storey."""
@@ -47,7 +54,6 @@ def cut_open(height_m: float) -> None:
     height_m -= _BELOW_M
     sheets: list[LineString] = []
     tops: list[Polygon] = []
-    material = None
     for thing in bpy.data.objects:  # higher cuts came before
         if _plain_name(thing) == _LID or is_of_roof(thing):
             thing.hide_render = True
@@ -55,19 +61,32 @@ def cut_open(height_m: float) -> None:
         name = _plain_name(thing)
         if name.startswith(_CAP_FROM):
             tops += _seen_from_above(thing, height_m)
-            material = thing.data.materials[0] if thing.data.materials else None
         elif name.startswith(_SHEETS):
             sheets += _section(thing, height_m)
         if name.startswith("Ceiling") or not _cut(thing, height_m):
             thing.hide_render = True
-    _close(sheets, unary_union(tops), height_m, material)
-    gone: dict[str, bool] = {}
-    for thing in _dressed():
-        hung = _mount(thing) in _HUNG and _top_m(thing) > height_m
-        if hung or thing.matrix_world.translation.z > height_m + _NEXT_FLOOR_M:
-            _hide(thing)
-            gone[thing.get(_NODE)] = True
-    _hide_resting(gone)
+    _close(sheets, unary_union(tops), height_m)
+    _cut_things(height_m)
+
+
+def set_on_base(scene: Any, shown: bool) -> None:
+    """Put the house on a surface that catches its shadow, in a scene with a transparent film."""
+    base = scene.objects.get(_BASE)
+    if base is None and shown:
+        low_m = min(
+            ((one.matrix_world @ Vector(corner)).z for one in scene.objects if _is_wall(one)
+             for corner in one.bound_box), default=0.0,
+        )  # fmt: skip
+        reach, height_m = _BASE_REACH_M, low_m - _BASE_BELOW_M
+        corners = [(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)]
+        mesh = bpy.data.meshes.new(_BASE)
+        mesh.from_pydata([(x, y, height_m) for x, y in corners], [], [(0, 1, 2, 3)])
+        mesh.materials.append(_matte(_BASE, _BASE_ALBEDO))
+        base = bpy.data.objects.new(_BASE, mesh)
+        base.is_shadow_catcher = True
+        scene.collection.objects.link(base)
+    if base is not None:
+        base.hide_render = not shown
 
 
 def show_alone(view: StageCamera, rooms: tuple[str, ...]) -> None:
@@ -174,18 +193,71 @@ def _gap_m(thing: Any, wall: Any, plane: tuple[Vector, Vector]) -> float:
 # --- cutting ------------------------------------------------------------------------------------
 
 
-def _cut(thing: Any, height_m: float) -> bool:
-    """Take away what of a mesh is higher; whether anything is left."""
+def _cut_things(height_m: float) -> None:
+    """Cut furniture and doors that stand higher, and hide what hung or lay there."""
+    hidden: dict[str, bool] = {}
+    tall = []
+    for thing in _dressed():
+        hung = _mount(thing) in _HUNG and _top_m(thing) > height_m
+        if hung or thing.matrix_world.translation.z > height_m + _NEXT_FLOOR_M:
+            _hide(thing)
+            hidden[thing.get(_NODE)] = True
+        elif _top_m(thing) > height_m + _OVER_M and not thing.hide_render:
+            tall.append(thing)
+    _hide_resting(hidden)
+    parts = _instanced_parts(tall)
+    for thing in tall:
+        below = [one for one in (thing, *thing.children_recursive) if one.type == "MESH"]
+        for part in below:
+            part.data = part.data.copy()  # other pieces of its model may share it
+        for part in below + [_placed(thing, *one) for one in parts.get(thing.name, ())]:
+            part.hide_render = not _cut(part, height_m, closes=True)
+        if thing.name in parts:
+            thing.hide_render = True
+    cut = {thing.get(_NODE) for thing in tall}
+    for thing in _dressed():
+        if thing.get(_RESTS_ON) in cut and thing.matrix_world.translation.z > height_m:
+            _hide(thing)
+
+
+def _instanced_parts(things: Iterable[Any]) -> dict[str, list[tuple[Any, Any]]]:
+    """Meshes of things that are instances of a collection, with their places in the world."""
+    names = {thing.name for thing in things}
+    parts: dict[str, list[tuple[Any, Any]]] = {}
+    for one in bpy.context.evaluated_depsgraph_get().object_instances:
+        if one.is_instance and one.object.type == "MESH" and one.parent.name in names:
+            mesh = bpy.data.meshes.new_from_object(one.object)
+            parts.setdefault(one.parent.name, []).append((mesh, one.matrix_world.copy()))
+    return parts
+
+
+def _placed(thing: Any, mesh: Any, place: Any) -> Any:
+    """An object in place of a part of an instance, with the notes of the thing."""
+    mesh.transform(thing.matrix_world.inverted() @ place)
+    part = bpy.data.objects.new(thing.name, mesh)
+    part.matrix_world = thing.matrix_world
+    for key in thing.keys():  # noqa: SIM118 (no mapping)
+        part[key] = thing[key]
+    for scene in bpy.data.scenes:
+        scene.collection.objects.link(part)
+    return part
+
+
+def _cut(thing: Any, height_m: float, *, closes: bool = False) -> bool:
+    """Take away what of a mesh is higher; whether anything is left. closes: with lids."""
     edited = bmesh.new()
     edited.from_mesh(thing.data)
     edited.transform(thing.matrix_world)
-    bmesh.ops.bisect_plane(
+    made = bmesh.ops.bisect_plane(
         edited,
         geom=[*edited.verts, *edited.edges, *edited.faces],
         plane_co=(0.0, 0.0, height_m),
         plane_no=(0.0, 0.0, 1.0),
         clear_outer=True,
     )
+    if closes:
+        rim = [one for one in made["geom_cut"] if isinstance(one, bmesh.types.BMEdge)]
+        bmesh.ops.holes_fill(edited, edges=rim, sides=0)
     edited.transform(thing.matrix_world.inverted())
     edited.to_mesh(thing.data)
     left = bool(edited.faces)
@@ -228,7 +300,7 @@ def _section(thing: Any, height_m: float) -> list[LineString]:
     return lines
 
 
-def _close(sheets: list[LineString], tops: Any, height_m: float, material: Any) -> None:
+def _close(sheets: list[LineString], tops: Any, height_m: float) -> None:
     """Lids on the cut walls: what the sheets enclose and wall tops lie over."""
     if not sheets:
         return
@@ -247,8 +319,19 @@ def _close(sheets: list[LineString], tops: Any, height_m: float, material: Any) 
     mesh = bpy.data.meshes.new(_LID)
     edited.to_mesh(mesh)
     edited.free()
-    if material is not None:
-        mesh.materials.append(material)
+    mesh.materials.append(_matte(_LID, _LID_ALBEDO))
     lid = bpy.data.objects.new(_LID, mesh)
     for scene in bpy.data.scenes:  # that of depth and masks, too
         scene.collection.objects.link(lid)
+
+
+def _matte(name: str, albedo: float) -> Any:
+    """A grey matte material."""
+    material = bpy.data.materials.get(name)
+    if material is None:
+        material = bpy.data.materials.new(name)
+        shader = material.node_tree.nodes["Principled BSDF"]
+        shader.inputs["Base Color"].default_value = (albedo, albedo, albedo, 1.0)
+        shader.inputs["Roughness"].default_value = 1.0
+        shader.inputs["Specular IOR Level"].default_value = 0.0
+    return material

@@ -23,7 +23,7 @@ from chord_usd.line.image.job import (
 from chord_usd.line.image.joined import lit_with
 from chord_usd.line.image.stage_cameras import StageCamera
 from chord_usd.line.image.worker.bounces import make_bounces_matte
-from chord_usd.line.image.worker.cutaway import cut_open, show_alone
+from chord_usd.line.image.worker.cutaway import cut_open, set_on_base, show_alone
 from chord_usd.line.image.worker.data import data_scene, render_data
 from chord_usd.line.image.worker.devices import choose_device, share_processor
 from chord_usd.line.image.worker.lamps import aim_at_lamps, balance, switch_lamps
@@ -63,6 +63,7 @@ def shoot(job: Job, report: Report) -> None:
         if alone:
             show_alone(view, job.rooms)
         open_roof(scene, view.from_above)
+        set_on_base(scene, view.cut_m > 0.0 and not view.is_alone)
         # What is left out of views from above would change the noise of these, as Cycles keeps it.
         scene.render.use_persistent_data = job.quality.keep_scene and not view.from_above
         outside.show_ground(False)

@@ -49,9 +49,6 @@ _MARGIN = 1.06
 _ELEVATION_DEG = math.degrees(math.asin(math.tan(math.radians(30.0))))
 """Of an isometric view, 35.26: all three axes are shortened alike."""
 
-_TALLEST_M = 1.6
-"""What stands higher may reach into the margin."""
-
 _MANY_ROOMS = 100
 """From more on, few places of each room are tried for its camera."""
 
@@ -163,18 +160,20 @@ def _above(levels: Sequence[Level]) -> Gf.Vec3d:
 def _set_isometric(layer: Sdf.Layer, level: Level) -> None:
     """An orthographic view from above a corner; `chord:cut_m` says where walls are cut for it."""
     yaw_deg = _facing_deg(level.rooms)
-    low_x, low_y, high_x, high_y = level.walls.solid_m.bounds
-    middle = np.array([(low_x + high_x) / 2, (low_y + high_y) / 2, _CUT_AT_M / 2])
     rise = math.radians(_ELEVATION_DEG)
     towards = np.array([*rotation_2d(yaw_deg)[:, 0] * math.cos(rise), math.sin(rise)])
-    corners = np.array(
-        [[x, y, z] for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, _TALLEST_M)]
-    )
     right = np.append(rotation_2d(yaw_deg)[:, 1], 0.0)
     up = np.cross(towards, right)
-    width_m = 2 * np.abs((corners - middle) @ right).max()
-    height_m = 2 * np.abs((corners - middle) @ up).max()
-    width_m = _MARGIN * max(width_m, height_m * SENSOR_MM[0] / SENSOR_MM[1])
+    outline = np.array(level.walls.solid_m.convex_hull.exterior.coords)[:-1]
+    corners = np.array([[x, y, z] for x, y in outline for z in (0.0, _CUT_AT_M)])
+    spans = [(float(low), float(high)) for low, high in
+             ((along.min(), along.max()) for along in (corners @ right, corners @ up))]  # fmt: skip
+    middle = sum(
+        (axis * (low + high) / 2 for axis, (low, high) in zip((right, up), spans, strict=True)),
+        np.zeros(3),
+    )
+    wide_m, high_m = (high - low for low, high in spans)
+    width_m = _MARGIN * max(wide_m, high_m * SENSOR_MM[0] / SENSOR_MM[1])
     eye = middle + towards * (2.0 * width_m + 10.0) + np.array([0.0, 0.0, level.elevation_m])
     turn = Gf.Vec3f(90.0 - _ELEVATION_DEG, 0.0, yaw_deg + 90.0)
     name = f"{ISOMETRIC_CAMERA}_{level.group}" if level.elevation_m else ISOMETRIC_CAMERA
