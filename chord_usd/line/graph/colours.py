@@ -8,15 +8,15 @@ flat areas before they are read.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
 
 from chord_usd.base.errors import SceneError
+from chord_usd.base.raster.windows import Window, components
 from chord_usd.base.scene.palette import (
     HOUSE_CATEGORIES,
     ROOM_SHADES,
@@ -100,8 +100,8 @@ def read_pixels(rgb: ByteArray) -> LayoutPixels:
         np.asarray(cv2.bilateralFilter(rgb, 5, 25.0, 2.0), np.uint8) if known is None else known
     )
     structure = _read_structure(smooth)
-    _, regions = cv2.connectedComponents((structure == CLEAR).astype(np.uint8), connectivity=4)
-    shade, allowed = _read_shades(smooth, regions, 0.0 if clean else _LEAST_SHADE_SHARE)
+    regions, windows = components(structure == CLEAR)
+    shade, allowed = _read_shades(smooth, regions, windows, 0.0 if clean else _LEAST_SHADE_SHARE)
     far_cost = _FAR_SHADE_COST_CLEAN if exact else _FAR_SHADE_COST
     item, front, shade = _read_items(smooth, regions, shade, allowed, far_cost)
     if not clean:
@@ -141,7 +141,10 @@ def _read_structure(rgb: ByteArray) -> LabelArray:
 
 
 def _read_shades(
-    rgb: ByteArray, regions: npt.NDArray[np.int32], least_share: float
+    rgb: ByteArray,
+    regions: npt.NDArray[np.int32],
+    windows: Sequence[Window],
+    least_share: float,
 ) -> tuple[LabelArray, dict[int, list[int]]]:
     """Shade of the nearest bare floor in each pixel's region, and the shades each region has."""
     total = rgb[..., 0].astype(np.int16) + rgb[..., 1] + rgb[..., 2]
@@ -152,7 +155,7 @@ def _read_shades(
     shade = np.zeros(regions.shape, dtype=np.int16)
     allowed: dict[int, list[int]] = {}
     flat = bare & (cv2.boxFilter(bare.astype(np.float32), -1, (3, 3)) > 0.6)
-    for region, window in _windows(regions):
+    for region, window in enumerate(windows, start=1):
         inside = regions[window] == region
         votes, seen = nearest[window], bare[window] & inside
         shades = _shades_of(votes[seen & flat[window]], votes[seen], least_share)
@@ -163,13 +166,6 @@ def _read_shades(
         elif floor.any():
             shade[window][inside] = _spread_nearest(votes, floor)[inside]
     return shade, allowed
-
-
-def _windows(regions: npt.NDArray[np.int32]) -> Iterator[tuple[int, tuple[slice, slice]]]:
-    """Each region's number, from 1, and the window of the canvas it lies in."""
-    for index, window in enumerate(ndimage.find_objects(regions)):
-        if window is not None:
-            yield index + 1, window
 
 
 def _shades_of(flat: LabelArray, bare: LabelArray, least_share: float) -> list[int]:

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
 
 from chord_usd.base.errors import SceneError
 from chord_usd.base.raster.vectorize import RotatedBox, rotated_box_from_mask
+from chord_usd.base.raster.windows import components, label_windows
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import PLAN_CATEGORIES
 from chord_usd.base.scene.room_areas import plausibility
@@ -155,7 +155,8 @@ def _rooms(labels: IntArray, pixels: LayoutPixels, frame: PixelFrame) -> list[Ro
     """Rooms from top to bottom, left to right."""
     outlines = []
     thickness_px = WALL_THICKNESS_M / frame.m_per_px
-    for index, window in enumerate(ndimage.find_objects(labels)):
+    for index, window in enumerate(label_windows(labels)):
+        assert window is not None, "labels are 1 to their largest"
         mask = labels[window] == index + 1
         kind = SHADE_KINDS[int(np.bincount(pixels.shade[window][mask]).argmax())]
         outline = outline_of(mask) + np.array([window[1].start, window[0].start])
@@ -230,9 +231,9 @@ class _Part:
 
 def _parts(mask: BoolArray) -> Iterator[_Part]:
     """4-connected parts of a mask, in the order of their first pixels."""
-    _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
+    labels, windows = components(mask)
     height, width = mask.shape
-    for index, window in enumerate(ndimage.find_objects(labels)):
+    for index, window in enumerate(windows):
         rows, columns = window
         outside = rows.start == 0 or columns.start == 0
         outside = outside or rows.stop == height or columns.stop == width

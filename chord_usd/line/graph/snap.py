@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-from scipy import ndimage
 
+from chord_usd.base.raster.windows import Window, label_windows
 from chord_usd.base.scene.oriented_rect import OrientedRect
 from chord_usd.base.scene.palette import HOUSE_CATEGORIES, Category
 from chord_usd.base.scene.types import BoolArray, Detection, FloatArray, LayoutImage, frozen_array
@@ -107,12 +107,16 @@ def find_items(
     return found
 
 
-def _windows(item: LabelArray) -> Iterator[tuple[slice, slice] | None]:
+def _windows(item: LabelArray) -> Iterator[Window | None]:
     """For each category the window of its pixels and what surrounds them; None without any."""
-    for spans in ndimage.find_objects(item + 1):
-        yield spans and tuple(
+    for spans in label_windows(item + 1):
+        if spans is None:
+            yield None
+            continue
+        rows, columns = (
             slice(max(span.start - MARGIN_PX, 0), span.stop + MARGIN_PX) for span in spans
         )
+        yield rows, columns
 
 
 def _of_category(
