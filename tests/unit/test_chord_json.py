@@ -261,7 +261,7 @@ def test_clockwise_and_closed_wall_points_are_accepted(start: int, closed: bool)
     [
         ("living", "living"), ("Living Room", "living"), ("livingroom_2", "living"),
         ("masterbedroom", "bedroom"), ("Bedroom 12", "bedroom"), ("kids' bedroom", "bedroom"),
-        ("kitchen", "kitchen"), ("toilet", "bathroom"), ("WC", "bathroom"),
+        ("kitchen", "kitchen"), ("toilet", "wc"), ("laundry", "washroom"),
         ("balcony", "balcony"), ("Entrance hall", "corridor"), ("hall", "corridor"),
         ("walk-in closet", "store"), ("storage", "store"), ("study", "study"),
         ("dining room", "dining"), ("out of ideas", "unknown"), ("", "unknown"),

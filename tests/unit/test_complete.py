@@ -48,6 +48,8 @@ FURNISHED = {
     "dining": (TABLE, *CHAIRS),
     "kitchen": (SINK, COOKER),
     "bathroom": (piece("toilet", 1, 2.7), piece("washbasin", 2, 2.7), piece("shower", 3, 2.7)),
+    "washroom": (piece("washing_machine", 1, 2.7), piece("washbasin", 2, 2.7)),
+    "wc": (piece("toilet", 1, 2.7), piece("washbasin", 2, 2.7)),
 }
 
 

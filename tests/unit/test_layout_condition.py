@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from chord_usd.base.scene.palette import CATEGORIES, ROOM_SHADES
-from chord_usd.base.scene.types import ROOM_KINDS
+from chord_usd.base.scene.types import LEARNED_KINDS
 from chord_usd.line.layout.condition import GRID_PLANES, PIXEL_PLANES, plan_condition
 
 FLOOR_PLANE = 3
-AREA_PLANE = 1 + len(ROOM_KINDS)
+AREA_PLANE = 1 + len(LEARNED_KINDS)
 FREE_LEFT, FREE_RIGHT = AREA_PLANE + 3, AREA_PLANE + 4
 
 
@@ -34,8 +34,8 @@ def test_floor_is_what_walls_enclose_even_where_rooms_are_white():
 @pytest.mark.parametrize(("column", "kind"), [(4, "bedroom"), (11, "kitchen")])
 def test_kind_follows_the_shade(column, kind):
     grid = plan_condition(_two_rooms(), 0.1, 4).grid
-    kinds = grid[1 : 1 + len(ROOM_KINDS), 8, column]
-    assert ROOM_KINDS[int(kinds.argmax())] == kind
+    kinds = grid[1 : 1 + len(LEARNED_KINDS), 8, column]
+    assert LEARNED_KINDS[int(kinds.argmax())] == kind
     assert kinds.sum() == 1
 
 

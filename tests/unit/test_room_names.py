@@ -38,14 +38,18 @@ NAMES: dict[RoomKind, str] = {
     "|Kuchnia z jadalnią|Køkken|Køkken/bryggers|Kjøkken|Кухня|주방|주방/식당|מטבח"
     "|キッチン|Gourmet Kitchen|Eat-in Kitchen|Cozinha/ Serviço|Kochen / Essen|Kit."
     "|Kitchenette",
-    "bathroom": "Bathroom|WC|Gäste-WC|Bad|Salle de bain|Salle d'eau|Baño|Casa de banho|Banheiro"
-    "|BADRUM|Kylpyhuone|KH|卫生间|浴室|洗面所|トイレ|W.C.|w/c|En-suite"
-    "|Ensuite Shower Room|Master Bath|Primary Bath|Bath 2|Family Bathroom|Half Bath"
-    "|Powder Room|Pwdr|Shower Room|Utility / WC|BASHEIRO|BANIEIRO|PESUH.|Badkamer|Toilet"
-    "|Douche|Bagno|Bagno 2|Antibagno|Łazienka|Lazienka|Toaleta|WC/Bad|Badeværelse"
-    "|Toilet/bad|Dusj|Ванная|Санузел|С/У|Туалет|욕실|화장실|שירותים|חדר רחצה|주방욕실"
-    "|主卧卫生间|公卫|Elternbad|Duschbad|Master En Suite|Bedroom 1 Ensuite"
+    "bathroom": "Bathroom|Bad|Salle de bain|Salle d'eau|Baño|Casa de banho|Banheiro"
+    "|BADRUM|Kylpyhuone|KH|卫生间|浴室|En-suite"
+    "|Ensuite Shower Room|Master Bath|Primary Bath|Bath 2|Family Bathroom"
+    "|Shower Room|Utility / WC|BASHEIRO|BANIEIRO|PESUH.|Badkamer"
+    "|Douche|Bagno|Bagno 2|Antibagno|Łazienka|Lazienka|WC/Bad|Badeværelse"
+    "|Toilet/bad|Dusj|Ванная|Санузел|С/У|욕실|화장실|חדר רחצה|주방욕실"
+    "|主卧卫生间|Elternbad|Duschbad|Master En Suite|Bedroom 1 Ensuite"
     "|Jack & Jill Bath|Sauna|Bathrm|Baderom",
+    "washroom": "洗面所|Utility Room|Laundry|Bijkeuken|Lavanderia|Bryggers|Vaskerom|다용도실"
+    "|Hauswirtschaftsraum|Laundry/Mech|Buanderie",
+    "wc": "WC|Gäste-WC|トイレ|W.C.|w/c|Half Bath|Powder Room|Pwdr|Toilet|Toaleta|Туалет"
+    "|שירותים|公卫",
     "balcony": "Balcony|Terrasse|Balcon|Balcón|Varanda|BALKONG|Parveke|阳台|バルコニー|Patio|Deck"
     "|Covered Porch|Roof Terrace|Dachterrasse|Balkon|Dakterras|Balcone|Terrazzo|Taras"
     "|Altan|Overdækket terrasse|Балкон|Лоджия|발코니|베란다|מרפסת|北阳台|Bedroom Balcony"
@@ -60,12 +64,12 @@ NAMES: dict[RoomKind, str] = {
     "|Hjemmekontor|Study Area|Arbeiten",
     "store": "Closet|Abstellraum|Cellier|Trastero|Despensa|KLK|Förråd|Vaatehuone|储藏室|押入"
     "|Dressing Room|Dressing|Walk-in Closet|W.I.C.|WIC|Pantry Cupboard|Cupboard"
-    "|Utility Room|Laundry|Garage|Double Garage|A/C Cupboard|Linen|Hall Closet"
-    "|Master Closet|Primary Closet|Boiler Room|Berging|Inloopkast|Bijkeuken|Meterkast"
-    "|Ripostiglio|Cabina armadio|Lavanderia|Garderoba|Spiżarnia|Pom. gospodarcze"
-    "|Kotłownia|Bryggers|Bod|Vaskerom|Walk-in|Гардеробная|Кладовая|드레스룸|다용도실|창고"
+    "|Garage|Double Garage|A/C Cupboard|Linen|Hall Closet"
+    "|Master Closet|Primary Closet|Boiler Room|Berging|Inloopkast|Meterkast"
+    "|Ripostiglio|Cabina armadio|Garderoba|Spiżarnia|Pom. gospodarcze"
+    "|Kotłownia|Bod|Walk-in|Гардеробная|Кладовая|드레스룸|창고"
     "|מחסן|חדר ארונות|シューズクローク|クローゼット|衣帽间|主卧衣帽间|Storage 1"
-    "|Store Room|Abst.|Hauswirtschaftsraum|Laundry/Mech|STORAG|Placard|Buanderie",
+    "|Store Room|Abst.|STORAG|Placard",
     "unknown": "Garden|BH=700|LD:930|LD: 930|LD 930|DK=900|OH 2400|ET.2100|KH+850|MH=2.40 m"
     "|13 m²|SIZES ARE APPROXIMATE|First Floor|Ground Floor Plan|Third Floor"
     "|12 Church Street, London|Bath Road|Hall Lane 7|Badstraße 5|Kitchenaid"

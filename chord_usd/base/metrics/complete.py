@@ -59,13 +59,17 @@ ESSENTIALS: dict[RoomKind, tuple[Essential, ...]] = {
         _one("washbasin", *having("basin")),
         _one("shower or bathtub", *having("bathing")),
     ),
+    "washroom": (_one("washing machine", *having("laundry")), _one("washbasin", *having("basin"))),
+    "wc": (_one("toilet"), _one("washbasin", *having("basin"))),
 }
 """By kind of room, the most needed first. A dining table also takes DINERS chairs."""
 
 DINERS = 2
 TWO_CHAIRS = "two chairs at the table"
 
-FEWER_BELOW_M2: dict[RoomKind, tuple[tuple[float, int], ...]] = {"bathroom": ((2.0, 1), (3.0, 2))}
+FEWER_BELOW_M2: dict[RoomKind, tuple[tuple[float, int], ...]] = {
+    "bathroom": ((2.0, 1), (3.0, 2)), "washroom": ((1.6, 1),), "wc": ((1.3, 1),),
+}  # fmt: skip
 """Rooms smaller than an area need no more than so many of their essentials; smallest area first."""
 
 WALL_GAP_M = 0.13

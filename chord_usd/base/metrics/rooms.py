@@ -10,9 +10,9 @@ from chord_usd.base.metrics.footprints import GRID_M, footprints_of
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.tunnels import as_cut
-from chord_usd.base.scene.types import Item, Opening, Room, RoomKind, SceneGraph
+from chord_usd.base.scene.types import WET_KINDS, Item, Opening, Room, RoomKind, SceneGraph
 
-_BESIDE_STUDIO: tuple[RoomKind, ...] = ("kitchen", "bathroom", "balcony", "store")
+_BESIDE_STUDIO: tuple[RoomKind, ...] = ("kitchen", *sorted(WET_KINDS), "balcony", "store")
 
 MAX_SHARE_OUTSIDE = 0.01
 """An item is out of its room when more than this share of its footprint is (PhyScene's R_out)."""
@@ -21,7 +21,7 @@ DRESSING_SLACK_M = 0.005
 """As much as contact of meshes (stage.check_contact.MIN_DEPTH_M)."""
 
 FURNISHED_KINDS: frozenset[RoomKind] = frozenset(
-    ("living", "dining", "bedroom", "kitchen", "bathroom", "study")
+    ("living", "dining", "bedroom", "kitchen", *WET_KINDS, "study")
 )
 """Kinds of room that nobody leaves empty; corridors, stores and balconies often are."""
 
@@ -86,9 +86,9 @@ def is_studio(kinds: Sequence[RoomKind]) -> bool:
     """Whether a home of rooms of these kinds has one room to live and sleep in.
 
     A corridor leads to rooms of other storeys: a home with one is no studio. A living room without
-    a bathroom is a room of a home that is not shown.
+    a bathroom or WC is a room of a home that is not shown.
     """
-    is_home = kinds.count("living") == 1 and "bathroom" in kinds
+    is_home = kinds.count("living") == 1 and not {"bathroom", "wc"}.isdisjoint(kinds)
     return is_home and {*kinds} <= {"living", *_BESIDE_STUDIO}
 
 

@@ -46,6 +46,7 @@ SEAM_M = 0.005
 
 ENTRANCE_KINDS: tuple[RoomKind, ...] = (
     "corridor", "living", "dining", "unknown", "kitchen", "study", "store", "bedroom", "bathroom",
+    "washroom", "wc",
 )  # fmt: skip
 """Rooms a front door leads into, likeliest first; a balcony has none."""
 

@@ -16,7 +16,7 @@ from shapely.geometry import Polygon
 
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import BACKGROUND_RGB, ROOM_SHADES
-from chord_usd.base.scene.types import ByteArray, Plan, PlanImage, Room, RoomKind
+from chord_usd.base.scene.types import ByteArray, Plan, PlanImage, Room, RoomKind, learned_kind
 from chord_usd.base.scene.units import px_from_m
 
 LEAST_RADIUS_M = 0.25
@@ -103,7 +103,7 @@ def _bubble(room: Room) -> Bubble:
     floor = room_polygon(room)
     x_m, y_m, clear_m = _middle(floor)
     radius_m = min(_RADIUS_SHARE * floor.area**0.5, _CLEAR_SHARE * clear_m)
-    return Bubble(room.kind, x_m, y_m, max(radius_m, LEAST_RADIUS_M))
+    return Bubble(learned_kind(room.kind), x_m, y_m, max(radius_m, LEAST_RADIUS_M))
 
 
 def _middle(floor: Polygon) -> tuple[float, float, float]:

@@ -22,6 +22,7 @@ from chord_usd.base.scene import palette
 from chord_usd.base.scene.palette import Level, Mount
 from chord_usd.base.scene.types import (
     CANVAS_PX,
+    LEARNED_KINDS,
     ROOM_KINDS,
     WALL_THICKNESS_M,
     BoolArray,
@@ -35,6 +36,7 @@ from chord_usd.base.scene.types import (
     Plan,
     PlanImage,
     Room,
+    learned_kind,
 )
 from chord_usd.base.scene.units import px_from_m, rotation_2d
 
@@ -55,7 +57,7 @@ MITRE_LIMIT = 3.0
 _FIRST_KIND, _UNSHADED = 64, 255
 """Where rooms overlap by mistake their codes add up to one that stands for nothing: white."""
 
-_KIND_CODES = {kind: _FIRST_KIND + index for index, kind in enumerate(ROOM_KINDS)}
+_KIND_CODES = {kind: _FIRST_KIND + LEARNED_KINDS.index(learned_kind(kind)) for kind in ROOM_KINDS}
 
 _WALL_GREY = palette.category("wall").rgb[0]
 
@@ -272,7 +274,7 @@ def _code_greys() -> ByteArray:
     """(256,) grey level of each code of a floor."""
     greys = np.full(256, palette.BACKGROUND_RGB[0], np.uint8)
     for kind, code in _KIND_CODES.items():
-        greys[code] = palette.ROOM_SHADES[kind][0]
+        greys[code] = palette.ROOM_SHADES[learned_kind(kind)][0]
     return greys
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.base.scene.types import ROOM_KINDS, ByteArray, RoomKind
+from chord_usd.base.scene.types import LEARNED_KINDS, ByteArray, RoomKind
 
 OUTSIDE, FLOOR, WALL, DOOR, WINDOW, STAIRS, PASSAGE = range(7)
 """What is built. Doors, windows and passages are the holes in walls, as deep as the wall."""
@@ -39,7 +39,7 @@ def laid_of(labels: ByteArray) -> ByteArray:
     return np.asarray(labels >> LAID_SHIFT, np.uint8)
 
 
-KIND_NAMES: tuple[RoomKind, ...] = tuple(kind for kind in ROOM_KINDS if kind != "unknown")
+KIND_NAMES: tuple[RoomKind, ...] = tuple(kind for kind in LEARNED_KINDS if kind != "unknown")
 """What a floor is of."""
 
 READER_INPUT = "rgb"

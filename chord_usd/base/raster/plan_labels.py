@@ -15,7 +15,7 @@ import numpy as np
 from chord_usd.base.raster import canvas
 from chord_usd.base.scene import palette
 from chord_usd.base.scene.types import (
-    ROOM_KINDS,
+    LEARNED_KINDS,
     WALL_THICKNESS_M,
     BoolArray,
     ByteArray,
@@ -23,7 +23,7 @@ from chord_usd.base.scene.types import (
     Plan,
 )
 
-LABEL_NAMES = ("outside", *ROOM_KINDS, "wall", "door", "window", "passage")
+LABEL_NAMES = ("outside", *LEARNED_KINDS, "wall", "door", "window", "passage")
 OUTSIDE = 0
 FIRST_ROOM = 1
 WALL, DOOR, WINDOW, PASSAGE = (
@@ -148,7 +148,7 @@ def paint_labels(labels: ByteArray) -> ByteArray:
 @lru_cache(maxsize=1)
 def _colors() -> ByteArray:
     rows = [palette.BACKGROUND_RGB]
-    rows += [(palette.ROOM_SHADES[kind][0],) * 3 for kind in ROOM_KINDS]
+    rows += [(palette.ROOM_SHADES[kind][0],) * 3 for kind in LEARNED_KINDS]
     rows += [palette.category(name).rgb for name in ("wall", "door", "window")]
     rows.append(palette.BACKGROUND_RGB)
     return np.array(rows, np.uint8)
@@ -159,7 +159,7 @@ def _label_of_grey() -> ByteArray:
     """(256,) label by grey level; white is left open."""
     table = np.zeros(256, np.uint8)
     table[palette.category("wall").rgb[0]] = WALL
-    for kind in ROOM_KINDS:
+    for kind in LEARNED_KINDS:
         if palette.ROOM_SHADES[kind] != palette.BACKGROUND_RGB:
             table[palette.ROOM_SHADES[kind][0]] = label_of(kind)
     return table

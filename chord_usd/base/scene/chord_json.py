@@ -60,6 +60,7 @@ from chord_usd.base.scene.room_names import room_kind
 from chord_usd.base.scene.types import (
     ROOM_KINDS,
     WALL_THICKNESS_M,
+    WET_KINDS,
     Asset,
     Box,
     FloatArray,
@@ -73,6 +74,7 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.base.scene.units import cm_from_m, m_from_cm
+from chord_usd.base.scene.wet_rooms import with_wet_kinds
 
 OUT_ROOMS = "outRooms"
 """Key of Plan.extra and SceneGraph.extra: the elements of roomType 0, as they stood in the file."""
@@ -118,7 +120,9 @@ def plan_from_json(data: object, where: str = "plan") -> Plan:
     """A plan from parsed JSON. where: what error messages call it. Raises PlanError."""
     house = Element(data, where, PlanError)
     floors, openings, extra = _read_shell(house)
-    return Plan(floors.rooms, openings, extra)
+    said = [one.text("roomId") for one in house.elements("rooms", "room", MOST_ROOMS)
+            if one.has("roomKind")]  # fmt: skip
+    return with_wet_kinds(Plan(floors.rooms, openings, extra), said)
 
 
 def scene_from_json(data: object, where: str = "scene") -> SceneGraph:
@@ -425,7 +429,8 @@ def _shell_to_json(
 def _room_to_json(room: Room) -> dict[str, Any]:
     name = room.name or room.kind
     data: dict[str, Any] = {"roomId": room.id, "roomName": name, "roomType": 1}
-    if room_kind(name) != room.kind:
+    # A name that says no more than the class leaves the kind of a wet room open.
+    if room.kind in WET_KINDS or room_kind(name) != room.kind:
         data["roomKind"] = room.kind
     data["wallPoints"] = [[_cm(x), _cm(y)] for x, y in room.polygon_m]
     return {**data, **room.extra}

@@ -16,7 +16,7 @@ from typing import Literal, cast
 
 from chord_usd.base.errors import SceneError
 from chord_usd.base.scene.category_rows import category_rows
-from chord_usd.base.scene.types import ROOM_KINDS, RoomKind
+from chord_usd.base.scene.types import LEARNED_KINDS, ROOM_KINDS, RoomKind
 
 ITEM_OPACITY = 0.3
 """Opacity of an item over the plan raster (paper, supplementary)."""
@@ -234,12 +234,13 @@ ROOM_SHADES: dict[RoomKind, Rgb] = {
 }
 """Grey level of each room kind in a shaded plan raster (paper, open-plan section)."""
 
-assert set(ROOM_SHADES) == set(ROOM_KINDS)
+assert set(ROOM_SHADES) == set(LEARNED_KINDS)
 
 ROOM_RGB: dict[RoomKind, Rgb] = {
     "living": (230, 120, 60), "dining": (240, 200, 60), "bedroom": (90, 130, 220),
     "kitchen": (200, 60, 60), "bathroom": (60, 190, 200), "balcony": (100, 180, 80),
     "corridor": (150, 150, 150), "study": (160, 90, 200), "store": (130, 100, 70),
+    "washroom": (90, 150, 170), "wc": (120, 210, 190),
 }  # fmt: skip
 """Kinds of room on sheets that people look at."""
 

@@ -13,7 +13,7 @@ from chord_usd.base.scene.types import RoomKind
 _USUAL_M2: dict[RoomKind, tuple[float, float]] = {
     "living": (18.0, 0.4), "dining": (10.0, 0.35), "bedroom": (11.5, 0.3), "kitchen": (7.5, 0.4),
     "bathroom": (3.5, 0.5), "balcony": (5.0, 0.6), "corridor": (4.5, 0.65), "study": (9.0, 0.35),
-    "store": (2.0, 0.6),
+    "store": (2.0, 0.6), "washroom": (3.0, 0.6), "wc": (1.8, 0.5),
 }  # fmt: skip
 """Median, and standard deviation of the logarithm. Between the 852 Japanese flats of data.flats
 (bedrooms 12.4 and 0.26, baths and WCs apart 2.4 and 0.46) and estate agents' plans with printed

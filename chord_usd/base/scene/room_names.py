@@ -16,10 +16,11 @@ from functools import lru_cache
 from typing import cast
 
 from chord_usd.base.scene.room_words import ROOM_KINDS, WORDS, Word, plain, skeleton
-from chord_usd.base.scene.types import RoomKind
+from chord_usd.base.scene.types import WET_KINDS, RoomKind
 
 LEADING: tuple[RoomKind, ...] = (
-    "living", "bedroom", "kitchen", "bathroom", "dining", "study", "balcony", "store", "corridor",
+    "living", "bedroom", "kitchen", "bathroom", "dining", "study", "washroom", "wc", "balcony",
+    "store", "corridor",
 )  # fmt: skip
 """The kind of an open plan is that of its leading part; a wardrobe in a bedroom is no store."""
 
@@ -27,7 +28,7 @@ _LEAST_KNOWN = 0.5
 """Share of a name's letters that must be known."""
 
 _OPEN_PLAN: frozenset[RoomKind] = frozenset({"living", "dining", "kitchen"})
-_ANNEXES: frozenset[RoomKind] = frozenset({"bathroom", "store", "balcony", "corridor"})
+_ANNEXES: frozenset[RoomKind] = frozenset({*WET_KINDS, "store", "balcony", "corridor"})
 """Named after the room that they belong to: "Bedroom closet"."""
 
 _OF_LETTER: dict[str, RoomKind] = {"l": "living", "d": "dining", "k": "kitchen"}
@@ -98,6 +99,9 @@ def _kinds(name: str) -> tuple[RoomKind, ...]:
     folded_words = set(re.split(r"[\W\d_]+", plain(folded)))
     for word, several in _SEVERAL.items():
         kinds |= set(several) if word in folded_words else set()
+    if len(kinds.intersection(WET_KINDS)) > 1:
+        # A WC with a shower or a washing machine in it.
+        kinds = kinds.difference(WET_KINDS) | {"bathroom"}
     return _by_rank(kinds)
 
 
@@ -328,7 +332,7 @@ def kind_of_word(word: str, english: bool, inflected: bool = True) -> RoomKind |
     """
     said = plain(unicodedata.normalize("NFKC", word).casefold())
     others = _OTHER_IN_ENGLISH if english else _OTHER_BUT_IN_ENGLISH
-    if len(said) < _SHORTEST_WORD or said in others:
+    if (len(said) < _SHORTEST_WORD and said != "wc") or said in others:
         return None
     stems = [said, *(said.removesuffix(end) for end in _PLURALS if said.endswith(end))]
     stems += [said[:-3] + "y"] if said.endswith("ies") else []

@@ -37,6 +37,7 @@ GROUP_OF: dict[RoomKind, str] = {
     "living": "living", "dining": "living", "study": "living", "unknown": "living",
     "bedroom": "bedroom", "corridor": "corridor", "store": "corridor",
     "kitchen": "kitchen", "bathroom": "bathroom", "balcony": "balcony",
+    "washroom": "bathroom", "wc": "bathroom",
 }  # fmt: skip
 """Rooms of a group wear the same looks."""
 

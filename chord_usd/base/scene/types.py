@@ -25,9 +25,22 @@ BoolArray = npt.NDArray[np.bool_]
 
 RoomKind = Literal[
     "living", "dining", "bedroom", "kitchen", "bathroom", "balcony",
-    "corridor", "study", "store", "unknown",
+    "corridor", "study", "store", "unknown", "washroom", "wc",
 ]  # fmt: skip
 ROOM_KINDS: tuple[RoomKind, ...] = RoomKind.__args__  # type: ignore[attr-defined]
+
+WET_KINDS: tuple[RoomKind, ...] = ("bathroom", "washroom", "wc")
+"""Rooms with a bath or shower; for the laundry, with a basin; with a toilet and a basin."""
+LEARNED_KINDS: tuple[RoomKind, ...] = tuple(
+    kind for kind in ROOM_KINDS if kind not in WET_KINDS or kind == "bathroom"
+)
+"""Classes of networks, and kinds that rasters shade: weights depend on their order."""
+
+
+def learned_kind(kind: RoomKind) -> RoomKind:
+    """The class that networks know a room by: all wet rooms are bathrooms."""
+    return "bathroom" if kind in WET_KINDS else kind
+
 
 OpeningKind = Literal["door", "window", "passage"]
 

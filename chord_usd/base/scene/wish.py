@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from chord_usd.base.scene.geometry import room_polygon
-from chord_usd.base.scene.types import ROOM_KINDS, Plan, RoomKind
+from chord_usd.base.scene.types import LEARNED_KINDS, Plan, RoomKind
 
 NAMES: dict[RoomKind, tuple[str, str]] = {
     "living": ("living room", "living rooms"),
@@ -19,10 +19,12 @@ NAMES: dict[RoomKind, tuple[str, str]] = {
     "corridor": ("corridor", "corridors"),
     "study": ("study", "studies"),
     "store": ("storeroom", "storerooms"),
+    "washroom": ("washroom", "washrooms"),
+    "wc": ("WC", "WCs"),
 }
 """What rooms of each kind are called: one of them, several."""
 
-WISHED_KINDS: tuple[RoomKind, ...] = tuple(kind for kind in ROOM_KINDS if kind != "unknown")
+WISHED_KINDS: tuple[RoomKind, ...] = tuple(kind for kind in LEARNED_KINDS if kind != "unknown")
 
 _DINING_KINDS = ("living", "dining")
 """What an open kitchen is open to."""
@@ -33,11 +35,13 @@ class Wish:
     """A programme in an architect's sense; what is not mentioned is left to the planner."""
 
     counts: Mapping[RoomKind, int] = field(default_factory=dict)
-    """Rooms by kind, of the kinds that were mentioned; 0 says that there shall be none."""
+    """Rooms by kind, of the WISHED_KINDS that were mentioned; 0 says that there shall be none."""
     area_m2: float | None = None
     """Sum of the rooms' floors."""
     open_kitchen: bool = False
     """Whether the kitchen shall be joined to a living or dining room without a door."""
+    wet: Mapping[RoomKind, int] = field(default_factory=dict)
+    """How many of the bathrooms shall be washrooms and WCs."""
 
     @property
     def sentence(self) -> str:
@@ -69,6 +73,19 @@ def room_counts(plan: Plan) -> dict[RoomKind, int]:
     """How many rooms of each kind a plan has; every kind is in it."""
     found = Counter(room.kind for room in plan.rooms)
     return {kind: found[kind] for kind in WISHED_KINDS}
+
+
+def with_wished_wet(plan: Plan, wish: Wish) -> Plan:
+    """The plan with its smallest bathrooms as the WCs and washrooms that were wished for; one stays
+    a bathroom."""
+    baths = sorted((room for room in plan.rooms if room.kind == "bathroom"),
+                   key=lambda room: room_polygon(room).area)[:-1]  # fmt: skip
+    kinds = [kind for kind in ("wc", "washroom") for _ in range(wish.wet.get(kind, 0))]
+    names = [f"{NAMES[kind][0].capitalize()} {kinds[:at].count(kind) + 1}"
+             for at, kind in enumerate(kinds)]  # fmt: skip
+    new = {room.id: replace(room, kind=kind, name=name)
+           for room, kind, name in zip(baths, kinds, names, strict=False)}  # fmt: skip
+    return replace(plan, rooms=tuple(new.get(room.id, room) for room in plan.rooms))
 
 
 def floor_area_m2(plan: Plan) -> float:

@@ -32,7 +32,7 @@ from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.stair_cells import is_cell
 from chord_usd.base.scene.styles import HomeStyle
 from chord_usd.base.scene.tunnels import as_cut
-from chord_usd.base.scene.types import Item, Opening, Room, SceneGraph
+from chord_usd.base.scene.types import WET_KINDS, Item, Opening, Room, SceneGraph
 from chord_usd.library.asset_leaves import leaves_of
 from chord_usd.library.database import AssetDatabase
 from chord_usd.line.dressing.draws import Draws
@@ -177,7 +177,7 @@ def _dress_room(frame: RoomFrame, view: View) -> None:
     hang_television(frame, view)
     if frame.kind == "kitchen" or frame.of("cooker_cabinet", "sink_cabinet"):
         dress_kitchen(frame)
-    if frame.kind == "bathroom" or frame.of("washbasin"):
+    if frame.kind in WET_KINDS or frame.of("washbasin"):
         dress_bathroom(frame)
     dress_fittings(frame)
     dress_rugs(frame)

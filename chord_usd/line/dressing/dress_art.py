@@ -9,7 +9,7 @@ import numpy as np
 
 from chord_usd.base.metrics.walk import PASSED_BY_M
 from chord_usd.base.places.wall_frames import WallFace
-from chord_usd.base.scene.types import Asset, Box, Item
+from chord_usd.base.scene.types import WET_KINDS, Asset, Box, Item
 from chord_usd.line.dressing.dress_bathrooms import back_face
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
@@ -71,11 +71,11 @@ def dress_art(frame: RoomFrame) -> None:
         _tall_mirror(frame)
     if frame.kind in _SHOWN:
         _pictures(frame)
-    if frame.kind in ("living", "bedroom", "study", "store", "bathroom", "kitchen"):
+    if frame.kind in ("living", "bedroom", "study", "store", "bathroom", "washroom", "kitchen"):
         _shelves(frame)
     if frame.kind in ("kitchen", "living", "dining", "study"):
         _clock(frame)
-    if frame.kind in ("kitchen", "bathroom"):
+    if frame.kind in ("kitchen", *WET_KINDS):
         _small_picture(frame)
     if frame.kind in ("bedroom", "corridor", "living", "balcony"):
         _wall_lamps(frame)

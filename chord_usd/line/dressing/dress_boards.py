@@ -9,7 +9,7 @@ import numpy as np
 
 from chord_usd.base.scene.geometry import in_world
 from chord_usd.base.scene.palette import having
-from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
+from chord_usd.base.scene.types import ROOM_HEIGHT_M, WET_KINDS, Asset, Box, Item, learned_kind
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
 
@@ -115,7 +115,7 @@ _MOST_INSIDE = 14
 def _inside(frame: RoomFrame, item: Item) -> list[Board]:
     """The open boards of a shelf or cabinet."""
     wishes = {"bathroom": _BATH_SHELF, "kitchen": _COOK_SHELF, "store": _HIGH}.get(
-        frame.kind, _SHELF
+        learned_kind(frame.kind), _SHELF
     )
     found = []
     size_m = item.asset.size_m if item.asset else item.box.size_m
@@ -181,7 +181,7 @@ def _sills(frame: RoomFrame) -> list[Board]:
             hole.middle_m, hole.low_m + 0.0225, (hole.width_m - 0.2, reveal_m, 0.4), -reveal_m
         )
         wishes = _COOK_SILL if frame.kind == "kitchen" else (
-            _BATH_SHELF[1:] if frame.kind == "bathroom" else _SILL)  # fmt: skip
+            _BATH_SHELF[1:] if frame.kind in WET_KINDS else _SILL)  # fmt: skip
         boards.append(Board(box, None, wishes, _count(frame, hole.width_m, 0.6, 3),
                             may_leave_room=True))  # fmt: skip
     return boards
@@ -236,7 +236,7 @@ def _chosen(
 def _offered(frame: RoomFrame, name: str) -> Sequence[Asset]:
     """What there is of a category; bottles are those of the room's kind."""
     if name == "bottle":
-        tag = "bath" if frame.kind == "bathroom" else "kitchen"
+        tag = "bath" if frame.kind in WET_KINDS else "kitchen"
         return frame.stock.offered(name, tag) or frame.stock.offered(name)
     return frame.stock.offered(name)
 

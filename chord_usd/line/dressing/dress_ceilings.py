@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from chord_usd.base.scene.light_panel import panel_for
-from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, Item
+from chord_usd.base.scene.types import ROOM_HEIGHT_M, WET_KINDS, Asset, Box, Item, RoomKind
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
 
@@ -55,7 +55,7 @@ def _pendant(frame: RoomFrame, table: Item) -> Item | None:
 def _fitting(frame: RoomFrame, at_m: tuple[float, float], yaw_deg: float) -> Item | None:
     """A lamp at the ceiling that nobody hits."""
     lamps = within(frame.stock.offered("ceiling_lamp"), (9.0, 9.0, ROOM_HEIGHT_M - HEAD_M))
-    if frame.kind in ("bathroom", "corridor", "store", "balcony", "kitchen"):
+    if _use(frame.kind) == "wet":
         lamps = [lamp for lamp in lamps if lamp.size_m[2] <= 0.3] or lamps
     family = frame.stock.family(lamps, f"ceiling_lamp/{_use(frame.kind)}")
     large = frame.floor.area > _LARGE_M2
@@ -63,9 +63,10 @@ def _fitting(frame: RoomFrame, at_m: tuple[float, float], yaw_deg: float) -> Ite
                             at_m, yaw_deg)  # fmt: skip
 
 
-def _use(kind: str) -> str:
+def _use(kind: RoomKind) -> str:
     """Rooms of one use have lamps of one family."""
-    return "wet" if kind in ("bathroom", "balcony", "store", "corridor", "kitchen") else "lived"
+    served = (*WET_KINDS, "balcony", "store", "corridor", "kitchen")
+    return "wet" if kind in served else "lived"
 
 
 def _first_that_fits(

@@ -13,7 +13,7 @@ from chord_usd.base.places.taken_space import as_underfoot
 from chord_usd.base.places.wall_frames import Hole, WallFace
 from chord_usd.base.scene.geometry import footprint_polygon, to_own, to_world
 from chord_usd.base.scene.palette import Mount, category, having
-from chord_usd.base.scene.types import Asset, Box, FloatArray, Item
+from chord_usd.base.scene.types import WET_KINDS, Asset, Box, FloatArray, Item
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import within
 
@@ -31,7 +31,7 @@ _MEETS_M = 0.02
 
 def dress_rugs(frame: RoomFrame) -> None:
     """One rug or mat for what a room is about."""
-    if frame.kind == "bathroom":
+    if frame.kind in WET_KINDS:
         _bath_mat(frame)
     elif frame.kind == "corridor":
         _runner(frame)
@@ -276,7 +276,7 @@ def dress_floor(frame: RoomFrame) -> None:
         count = int(rng.integers(1, most + 1)) + (2 if kind == "balcony" else 0)
         for _ in range(count):
             _stand(frame, "floor_plant", None, rng)
-    if kind in ("living", "bedroom", "bathroom"):
+    if kind in ("living", "bedroom", "bathroom", "washroom"):
         near = frame.of("sofa", "bed", "washbasin", "washing_machine")
         if rng.random() < 0.75:
             _stand(frame, "basket", near[0] if near else None, rng, beside=True)

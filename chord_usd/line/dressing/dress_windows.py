@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from chord_usd.base.places.taken_space import TakenSpace
 from chord_usd.base.places.wall_frames import Hole, WallFace
 from chord_usd.base.scene.trim import BOARD_FROM_M, BOARD_M, HANDLE_M, boards
-from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box
+from chord_usd.base.scene.types import ROOM_HEIGHT_M, WET_KINDS, Asset, Box
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import nearest_length, stretched, within
 
 CURTAINED = ("living", "dining", "bedroom", "study", "unknown")
 """Kinds of rooms with curtains, in a house that has curtains."""
 
-SCREENED = ("kitchen", "bathroom", "corridor")
+SCREENED = ("kitchen", *WET_KINDS, "corridor")
 """Kinds with blinds in any house."""
 
 _OVER_M = 0.12

@@ -23,7 +23,7 @@ from chord_usd.base.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, Network, l
 from chord_usd.base.scene.palette import HOUSE_CATEGORIES
 from chord_usd.base.scene.types import (
     CANVAS_PX,
-    ROOM_KINDS,
+    LEARNED_KINDS,
     BoolArray,
     Box,
     ByteArray,
@@ -37,7 +37,7 @@ from chord_usd.base.scene.units import px_from_m
 
 Kind = Literal["items", "rooms"]
 
-ROOM_CLASSES: tuple[RoomKind, ...] = tuple(kind for kind in ROOM_KINDS if kind != "unknown")
+ROOM_CLASSES: tuple[RoomKind, ...] = tuple(kind for kind in LEARNED_KINDS if kind != "unknown")
 CLASSES: dict[Kind, tuple[str, ...]] = {
     "items": tuple(row.name for row in HOUSE_CATEGORIES),
     "rooms": ROOM_CLASSES,

@@ -66,6 +66,8 @@ ROOM_TINTS: dict[RoomKind, Rgb] = {
     "study": (238, 232, 248),
     "store": (236, 233, 226),
     "unknown": (244, 244, 244),
+    "washroom": (219, 233, 240),
+    "wc": (214, 240, 232),
 }
 
 

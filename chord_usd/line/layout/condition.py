@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.base.scene.palette import BACKGROUND_RGB, PLAN_CATEGORIES, ROOM_SHADES
-from chord_usd.base.scene.types import ROOM_KINDS, BoolArray, ByteArray
+from chord_usd.base.scene.types import LEARNED_KINDS, BoolArray, ByteArray
 from chord_usd.line.layout.clearance import clearance_planes, passage_mask
 from chord_usd.line.layout.condition_planes import (
     Condition,
@@ -25,15 +25,15 @@ PIXEL_PLANES = 6
 
 FLOOR_PLANE, DOOR_FLOOR_PLANE, WINDOW_FLOOR_PLANE = 3, 4, 5
 
-GRID_PLANES = 1 + len(ROOM_KINDS) + 10
+GRID_PLANES = 1 + len(LEARNED_KINDS) + 10
 """Floor, room kind one-hot, then room area, width and height, free length in the four directions,
 distance to the nearest door and window, and the raster's scale."""
 
-AREA_PLANE = 1 + len(ROOM_KINDS)
+AREA_PLANE = 1 + len(LEARNED_KINDS)
 """Of the grid: log(1 + area in m²) / AREA_SCALE of the cell's room, 0 outside."""
 
 SHADE_TOLERANCE = 3
-_UNKNOWN = ROOM_KINDS.index("unknown")
+_UNKNOWN = LEARNED_KINDS.index("unknown")
 FAR_M = 4.0
 """Distances to doors and windows saturate here."""
 
@@ -74,13 +74,13 @@ def _rooms(
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int64], npt.NDArray[np.float64]]:
     """Rooms as connected regions of one shade.
 
-    Returns regions (H, W), 0 outside; per region (index 0 unused) the kind's index in ROOM_KINDS
+    Returns regions (H, W), 0 outside; per region (index 0 unused) the kind's index in LEARNED_KINDS
     and (width, height, area) in pixels. White regions that touch the canvas border lie outside.
     """
     regions = np.zeros(grey.shape, np.int32)
     kinds, boxes = [0], [(0.0, 0.0, 0.0)]
     present = np.bincount(grey[free], minlength=256)
-    for kind_index, kind in enumerate(ROOM_KINDS):
+    for kind_index, kind in enumerate(LEARNED_KINDS):
         shade = ROOM_SHADES[kind][0]
         if present[max(shade - SHADE_TOLERANCE, 0) : shade + SHADE_TOLERANCE + 1].sum() < 4:
             continue
@@ -107,4 +107,4 @@ def _border_labels(labels: npt.NDArray[np.int32]) -> set[int]:
 
 def _kind_planes(coarse: npt.NDArray[np.int32], kinds: npt.NDArray[np.int64]) -> BoolArray:
     kind_at = np.where(coarse > 0, kinds[coarse], -1)
-    return kind_at[None] == np.arange(len(ROOM_KINDS))[:, None, None]
+    return kind_at[None] == np.arange(len(LEARNED_KINDS))[:, None, None]

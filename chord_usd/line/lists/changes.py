@@ -301,6 +301,8 @@ def round_table(
 BY_KIND = {
     "bedroom": (_bedsides, _wardrobe, _wardrobe_more),
     "bathroom": (_shower, _basin),
+    "washroom": (_basin,),
+    "wc": (_basin,),
     "living": (_slid("tv_cabinet"), _coffee_table, _armchairs, _seats),
     "dining": (_seats,),
     "kitchen": (_seats,),

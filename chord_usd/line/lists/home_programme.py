@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from chord_usd.base.metrics.complete import FEWER_BELOW_M2
 from chord_usd.base.metrics.design.home_rules import MOST_DINERS
 from chord_usd.base.metrics.rooms import is_studio, stands_in
 from chord_usd.base.metrics.walk import entrance, rooms_beside
@@ -15,14 +16,25 @@ DOUBLE_M2 = 9.0
 """A bedroom at least so large is for two."""
 EATEN_IN: tuple[RoomKind, ...] = ("dining", "living", "kitchen")
 """Kinds of room that a dining table stands in, the likeliest first."""
-WASHED_IN: tuple[RoomKind, ...] = ("balcony", "bathroom", "kitchen")
+WASHED_IN: tuple[RoomKind, ...] = ("washroom", "balcony", "bathroom", "kitchen")
 TABLE_M2 = 9.0
 """A room of another kind takes a dining table from this size on."""
 LAUNDRY_M2 = 3.5
 """A bathroom takes a washing machine from this size on."""
+TOILET_M2 = 3.0
+"""A smaller bathroom has no toilet in a home with a WC apart."""
+
+HAND_BASIN_M2 = FEWER_BELOW_M2["wc"][0][0]
 
 Programme = dict[str, tuple[str, ...]]
 """By room id, categories of pieces, as often as they are needed."""
+
+
+def toilets_elsewhere(rooms: Sequence[Room]) -> frozenset[str]:
+    """Ids of the bathrooms of a home whose toilet is in a WC of the home."""
+    has_wc = any(room.kind == "wc" for room in rooms)
+    return frozenset(room.id for room in rooms if has_wc and room.kind == "bathroom"
+                     and room_polygon(room).area < TOILET_M2)  # fmt: skip
 
 
 def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programme:
@@ -41,6 +53,10 @@ def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programm
             found[room.id] += ["bed", "cabinet", *["bedside_table"] * (2 if double else 1)]
         if room.kind == "store":
             found[room.id].append("cabinet")
+        if room.kind == "wc":
+            found[room.id] += ["toilet", *["washbasin"] * (areas[room.id] >= HAND_BASIN_M2)]
+        if room.kind == "washroom":
+            found[room.id].append("washbasin")
         if room.kind == "kitchen":
             found[room.id] += ["sink_cabinet", "cooker_cabinet", "refrigerator"]
     if "living" in largest:

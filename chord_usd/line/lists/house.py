@@ -12,8 +12,8 @@ from chord_usd.base.metrics.complete import ESSENTIALS, lacking
 from chord_usd.base.metrics.design import ROOM_RULES
 from chord_usd.base.metrics.rooms import is_studio, stands_in
 from chord_usd.base.scene.geometry import room_polygon
-from chord_usd.base.scene.types import ROOM_KINDS, Item, Plan, Room, SceneGraph
-from chord_usd.line.lists.home_programme import Programme, programme_of
+from chord_usd.base.scene.types import Item, Plan, Room, RoomKind, SceneGraph
+from chord_usd.line.lists.home_programme import Programme, programme_of, toilets_elsewhere
 from chord_usd.line.lists.list_sampler import HEAT, Drawer, Drawn, Heat, Subject, without
 from chord_usd.line.lists.piece_words import ANY_M
 from chord_usd.line.lists.pieces import (
@@ -74,10 +74,13 @@ def furnish_by_lists(
         if room.id in chosen
     ]
     wishes = [(asked or {}).get(room.id, Asked()) for room, _ in jobs]
+    spared = toilets_elsewhere(plan.rooms)
+    drawn_as = [replace(one, excluded=one.excluded | {"toilet"}) if room.id in spared else one
+                for one, (room, _) in zip(wishes, jobs, strict=True)]  # fmt: skip
     rng = np.random.default_rng(drafts.seed)
     clear = ClearFloors(list(clearances(plan.rooms, plan.openings)))
     table = _Table(
-        jobs, wishes, drawer, drafts, rng, clear, programme_of(plan.rooms, plan.openings)
+        jobs, drawn_as, drawer, drafts, rng, clear, programme_of(plan.rooms, plan.openings)
     )
     ranking = Ranking(house, [room for room, _ in jobs], wishes)
     ranking.weigh(table.told(table.whole()))
@@ -119,7 +122,7 @@ class _Table:
             return self._subject(at)
         needed = (Piece(name) for name in self.programme.get(room.id, ())
                   if name not in asked.excluded)  # fmt: skip
-        return _subject(around, replace(asked, wanted=tuple(needed)))
+        return _subject(room, around, replace(asked, wanted=tuple(needed)))
 
     def of_their_kind(self, due: Sequence[int]) -> dict[int, list[Drawn]]:
         """Lists of what rooms of their kind need alone. A room of a size that is rare for its kind
@@ -156,7 +159,7 @@ class _Table:
                 wanted.append(Piece(known[int(self.rng.integers(len(known)))]))
         # Nothing else: what the network would add is of the other kind.
         own = replace(asked, wanted=(*asked.wanted, *wanted), excluded=frozenset(PIECES.categories))
-        return _subject(around, own)
+        return _subject(room, around, own)
 
     def told(self, drawn: Mapping[int, Sequence[Drawn]]) -> dict[int, list[list[Item]]]:
         """As pieces in the plan."""
@@ -167,7 +170,7 @@ class _Table:
         return [self.clear.below_sill(item) for item in items_from(drawn.elements, around, room.id)]
 
     def _subject(self, at: int) -> Subject:
-        return _subject(self.jobs[at][1], self.wishes[at])
+        return _subject(*self.jobs[at], self.wishes[at])
 
     def _drawn(
         self, order: Sequence[tuple[int, Subject]], heat: Heat = HEAT
@@ -179,21 +182,20 @@ class _Table:
         return found
 
 
-def _subject(around: Around, asked: Asked) -> Subject:
+def _subject(room: Room, around: Around, asked: Asked) -> Subject:
     return Subject(
         segments_of(around),
         around.facts,
         around.flags,
         wanted=tuple(PIECES.categories.index(one.category) for one in asked.missing(asked.kept)),
-        excluded=without({*asked.excluded, *_foreign(around)}, PIECES),
+        excluded=without({*asked.excluded, *_foreign(room.kind, around)}, PIECES),
         kept=tuple(pieces_of(asked.kept, around.frame)),
     )
 
 
-def _foreign(around: Around) -> set[str]:
+def _foreign(kind: RoomKind, around: Around) -> set[str]:
     """Categories that stand in no room of this kind. A garage as large as a living room would be
-    furnished as one."""
-    kind = ROOM_KINDS[int(around.facts[0])]
+    furnished as one, and networks know all wet rooms as bathrooms."""
     in_studio = is_studio(around.kinds_of_home)
     return {name for name in PIECES.categories if not stands_in(name, kind, in_studio)}
 

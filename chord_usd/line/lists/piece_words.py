@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from chord_usd.base.scene.palette import CATEGORIES
-from chord_usd.base.scene.types import RoomKind
+from chord_usd.base.scene.types import WET_KINDS, RoomKind
 
 ANY_M = (0.0, math.inf)
 
@@ -30,7 +30,7 @@ HERE: dict[RoomKind, dict[str, str]] = {
     "bedroom": _LOUNGE,
     "study": _LOUNGE,
     "balcony": _LOUNGE,
-    "bathroom": {"sink": "washbasin"},
+    **{kind: {"sink": "washbasin"} for kind in WET_KINDS},
     "kitchen": {"table": "dining_table", "basin": "sink_cabinet"},
     "dining": {"table": "dining_table"},
 }

@@ -24,7 +24,7 @@ from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.scene.geometry import footprint, room_polygon
 from chord_usd.base.scene.palette import CATEGORIES, Category, Level, Mount, ranked
 from chord_usd.base.scene.types import (
-    ROOM_KINDS,
+    LEARNED_KINDS,
     Box,
     FloatArray,
     Item,
@@ -32,6 +32,7 @@ from chord_usd.base.scene.types import (
     Room,
     RoomKind,
     SceneGraph,
+    learned_kind,
 )
 from chord_usd.base.scene.units import rotation_2d, wrap_deg
 from chord_usd.line.lists.vocabulary import Element, Floats, Ints, Vocabulary
@@ -83,15 +84,15 @@ _CLEAR_OF = {
 
 _INDEX = {name: index for index, name in enumerate(CATEGORY_ORDER)}
 _IN_RUN = frozenset(_INDEX[name] for name in KITCHEN_RUN)
-_KINDS = {kind: index for index, kind in enumerate(ROOM_KINDS)}
+_KINDS = {kind: index for index, kind in enumerate(LEARNED_KINDS)}
 
 PIECES = Vocabulary(
     categories=CATEGORY_ORDER,
     ranges=(("yaw", YAWS), ("x", PLACES), ("y", PLACES)),
     slots=("yaw", "x", "y", "x", "y"),
     segments=1 + len(SEGMENT_KINDS),
-    facts=(len(ROOM_KINDS), len(TEACHERS), AREAS),
-    flags=2 * len(CATEGORY_ORDER) + len(ROOM_KINDS) + 1,
+    facts=(len(LEARNED_KINDS), len(TEACHERS), AREAS),
+    flags=2 * len(CATEGORY_ORDER) + len(LEARNED_KINDS) + 1,
     most=MOST_PIECES,
     run=KITCHEN_RUN,
 )
@@ -136,9 +137,9 @@ class Around:
 
     @property
     def kinds_of_home(self) -> list[RoomKind]:
-        """The kind of each room of the house, in the order of ROOM_KINDS."""
+        """The kind of each room of the house, in the order of LEARNED_KINDS."""
         counts = self.flags[2 * len(CATEGORY_ORDER) : -1] * _ROOMS_A_FLAG
-        return [kind for kind, count in zip(ROOM_KINDS, counts, strict=True)
+        return [kind for kind, count in zip(LEARNED_KINDS, counts, strict=True)
                 for _ in range(round(float(count)))]  # fmt: skip
 
 
@@ -168,7 +169,8 @@ def rooms_around(
     known = None if told is None else frozenset(told)
     walls = [(room, _sides(room.polygon_m)) for room in graph.rooms]
     near = _near(graph.rooms)
-    counts = np.array([sum(room.kind == kind for room in graph.rooms) for kind in ROOM_KINDS])
+    kinds = [learned_kind(room.kind) for room in graph.rooms]
+    counts = np.array([kinds.count(kind) for kind in LEARNED_KINDS])
     held = {room.id: _held(graph.items_of(room.id)) for room in graph.rooms}
     clear = list(clearances(graph.rooms, graph.openings))
     found = []
@@ -194,7 +196,9 @@ def rooms_around(
             kinds.append(_CLEAR_OF[_kind_of(opening)])
         points = points[:MOST_SEGMENTS]
         flags = _flags(room, graph.rooms, touching, held, counts, known)
-        facts = np.array([_KINDS[room.kind], TEACHERS.index(teacher), _area(room)], np.int64)
+        facts = np.array(
+            [_KINDS[learned_kind(room.kind)], TEACHERS.index(teacher), _area(room)], np.int64
+        )
         kinds_told = np.array(kinds[:MOST_SEGMENTS], np.int64)
         found.append(Around(frame, points.reshape(-1, 4), kinds_told, facts, flags))
     return found

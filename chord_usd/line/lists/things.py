@@ -15,7 +15,7 @@ import numpy as np
 
 from chord_usd.base.raster.table_top import NEIGHBOURS, SIDES, Border, TableTop
 from chord_usd.base.scene.palette import CATEGORIES, SUPPORTS, Level, ranked
-from chord_usd.base.scene.types import ROOM_KINDS, Box, FloatArray, Item
+from chord_usd.base.scene.types import LEARNED_KINDS, Box, FloatArray, Item, learned_kind
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.lists.vocabulary import Element, Floats, Ints, Vocabulary
 
@@ -53,7 +53,7 @@ THINGS = Vocabulary(
     ranges=(("yaw", YAWS), ("x", PLACES), ("y", PLACES)),
     slots=("yaw", "x", "y", "x", "y"),
     segments=1 + len(SEGMENT_KINDS),
-    facts=(len(SUPPORTS), len(ROOM_KINDS), AREAS),
+    facts=(len(SUPPORTS), len(LEARNED_KINDS), AREAS),
     flags=len(SIDES) * len(NEIGHBOURS),
     most=MOST_THINGS,
 )
@@ -106,7 +106,7 @@ def facts_of(top: TableTop) -> Ints:
     """(3,) category, kind of room, area."""
     area = max(top.size_m[0] * top.size_m[1], _LEAST_AREA_M2)
     step = int(math.log(area / _LEAST_AREA_M2) / math.log(_AREA_STEP))
-    kinds = SUPPORTS.index(top.category), ROOM_KINDS.index(top.room)
+    kinds = SUPPORTS.index(top.category), LEARNED_KINDS.index(learned_kind(top.room))
     return np.array([*kinds, min(step, AREAS - 1)], np.int64)
 
 

@@ -18,7 +18,7 @@ from chord_usd.base.raster.bubbles import Bubble, stretched, with_bubbles
 from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.runtime.progress import Progress
 from chord_usd.base.scene.types import ByteArray, Plan, PlanImage
-from chord_usd.base.scene.wish import NAMES, Wish
+from chord_usd.base.scene.wish import NAMES, Wish, with_wished_wet
 from chord_usd.line.pipeline import Settings
 
 if TYPE_CHECKING:
@@ -225,6 +225,7 @@ def carry_out(
             expected="something like the homes that the model has learned from",
             try_="another --seed, or fewer wishes",
         )
+    chosen = replace(chosen, plan=with_wished_wet(chosen.plan, commission.wish))
     return Planned(chosen, tuple(tried), commission)
 
 

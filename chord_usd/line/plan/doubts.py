@@ -15,6 +15,7 @@ from chord_usd.base.scene.room_names import room_kind
 from chord_usd.base.scene.types import (
     OPEN,
     SURROUNDS,
+    WET_KINDS,
     FloatArray,
     Opening,
     PixelFrame,
@@ -48,7 +49,7 @@ _MOST_LISTED = 6
 _MOST_NAMES = 4
 """An open plan has up to three names; more are a sign of walls that were not seen."""
 
-_OWN_ROOM: frozenset[RoomKind] = frozenset({"bedroom", "bathroom", "study"})
+_OWN_ROOM: frozenset[RoomKind] = frozenset({"bedroom", "study", *WET_KINDS})
 """These have walls of their own."""
 
 _CUT_SHARE = 0.04

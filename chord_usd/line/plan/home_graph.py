@@ -65,7 +65,7 @@ def _without(hall: int, count: int, pairs: Sequence[tuple[int, int]]) -> list[li
 
 def _is_home(rooms: Collection[int], kinds: Sequence[RoomKind]) -> bool:
     own = {kinds[room] for room in rooms}
-    return "bathroom" in own and bool(own & _SEATS)
+    return not own.isdisjoint(("bathroom", "wc")) and bool(own & _SEATS)
 
 
 def work_names(names: Sequence[str]) -> list[str]:

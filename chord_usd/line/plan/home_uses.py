@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 from chord_usd.base.raster.page_labels import KIND_NAMES
 from chord_usd.base.scene.room_areas import plausibility
-from chord_usd.base.scene.types import FloatArray, RoomKind
+from chord_usd.base.scene.types import WET_KINDS, FloatArray, RoomKind, learned_kind
 from chord_usd.line.plan.open_plans import can_share
 
 _SURE = 0.5
@@ -105,7 +105,7 @@ class _Counts:
         has = uses.all
         return _Counts(
             min(self.kitchens + ("kitchen" in has), 2),
-            self.bathroom or "bathroom" in has,
+            self.bathroom or not has.isdisjoint(("bathroom", "wc")),
             self.bed or bool(has & {"bedroom", "study"}),
             self.seat or bool(has & {"living", "dining"}),
         )
@@ -169,7 +169,7 @@ def _chance(floor: Floor, kind: RoomKind) -> float:
     """Of a kind, by what is drawn and how large the floor is; of none, what a kind has to beat."""
     if kind == "unknown":
         return _SURE
-    chance = float(floor.chances[KIND_NAMES.index(kind)])
+    chance = float(floor.chances[KIND_NAMES.index(learned_kind(kind))])
     return chance if floor.area_m2 is None else chance * plausibility(kind, floor.area_m2)
 
 
@@ -178,7 +178,7 @@ def _speaks_against(floor: Floor, kind: RoomKind) -> float:
     nats = 0.0 if floor.has_window else _WINDOWLESS.get(kind, 0.0)
     if floor.stairs > _STAIRS and kind not in ("corridor", "unknown"):
         nats += _ON_STAIRS
-    if floor.ways >= _MANY_WAYS and kind in ("bathroom", "store"):
+    if floor.ways >= _MANY_WAYS and kind in (*WET_KINDS, "store"):
         nats += _HALL_NATS
     return nats
 

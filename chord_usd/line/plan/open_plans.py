@@ -27,6 +27,7 @@ from chord_usd.base.scene.room_areas import fit_of_area
 from chord_usd.base.scene.room_names import LEADING
 from chord_usd.base.scene.types import (
     WALL_THICKNESS_M,
+    WET_KINDS,
     Opening,
     Plan,
     Room,
@@ -130,7 +131,7 @@ def part_room(plan: Plan, room_id: str, uses: Sequence[Use], seen: SeenKinds | N
     """
     room = plan.room(room_id)
     own = [opening for opening in plan.openings if room_id in opening.room_ids]
-    baths = unary_union([room_polygon(each) for each in plan.rooms if each.kind == "bathroom"])
+    baths = unary_union([room_polygon(each) for each in plan.rooms if each.kind in WET_KINDS])
     floor = orient(room_polygon(room))
     ways = [footprint_polygon(one.box) for one in own if one.kind != "window"]
     doorways = unary_union(ways).buffer(WALL_THICKNESS_M, join_style="mitre")

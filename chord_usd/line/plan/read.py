@@ -19,6 +19,7 @@ from chord_usd.base.scene.json_stairs import StoreyPlan
 from chord_usd.base.scene.limits import LARGEST_HOUSE_M
 from chord_usd.base.scene.room_names import room_kinds
 from chord_usd.base.scene.types import ByteArray, Plan, PlanImage
+from chord_usd.base.scene.wet_rooms import with_wet_kinds
 from chord_usd.line.plan.decode import decode_plan
 from chord_usd.line.plan.picture import read_picture
 from chord_usd.line.plan.placement import PAGE, WARNINGS
@@ -62,7 +63,7 @@ def read_plan_file(
         )
     warnings = _warnings(plan)
     plan = replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
-    return plan if _is_json(path) else judged(plan)
+    return plan if _is_json(path) else judged(with_wet_kinds(plan))
 
 
 def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan]:
@@ -75,7 +76,7 @@ def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan
         plans = read_vector_storeys(path, scale)
         if is_svg(path) and not any(plan.openings for plan, _ in plans):
             return [StoreyPlan(read_plan_file(path, scale))]
-        return [StoreyPlan(plan, name, (0.0, 0.0) if index else None)
+        return [StoreyPlan(with_wet_kinds(plan), name, (0.0, 0.0) if index else None)
                 for index, (plan, name) in enumerate(plans)]  # fmt: skip
     if path.suffix.lower() == ".pdf" or _is_json(path):
         return [StoreyPlan(read_plan_file(path, scale))]
@@ -88,7 +89,7 @@ def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan
         found = read_sheet(picture.rgb, scale)
     except PlanError as error:
         raise _at(path, error) from error
-    return [StoreyPlan(plan, title) for plan, title in found]
+    return [StoreyPlan(with_wet_kinds(plan), title) for plan, title in found]
 
 
 def _read(path: Path, scale: float | None, part: int, is_open: bool) -> Plan:

@@ -18,7 +18,7 @@ from chord_usd.base.raster.bubbles import Bubble
 from chord_usd.base.scene.geometry import polygons_of, room_polygon, rooms_beside
 from chord_usd.base.scene.types import (
     BASE_AND_HEIGHT_M,
-    ROOM_KINDS,
+    LEARNED_KINDS,
     WALL_THICKNESS_M,
     BoolArray,
     Box,
@@ -163,7 +163,7 @@ def _is_sliver(floor: Polygon, label: int) -> bool:
 
 
 def _kind(label: int) -> RoomKind:
-    return ROOM_KINDS[label - plan_labels.FIRST_ROOM]
+    return LEARNED_KINDS[label - plan_labels.FIRST_ROOM]
 
 
 def _floor(grid: CellGrid, number: int, frame: PixelFrame, shell: Plan | None) -> Polygon:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from chord_usd.base.errors import ChordError
 from chord_usd.base.scene.numbers_said import HAN_NUMBERS, NUMBERS, plain_text
 from chord_usd.base.scene.room_names import kind_of_word, kinds_in_han
-from chord_usd.base.scene.types import RoomKind
+from chord_usd.base.scene.types import RoomKind, learned_kind
 from chord_usd.base.scene.wish import NAMES, WISHED_KINDS, Wish, listed
 
 MOST_CHARACTERS = 2000
@@ -81,7 +81,10 @@ class Understood:
     @property
     def told(self) -> str:
         """The wish in short: "2 bedrooms, 1 kitchen, 70 m²"."""
-        parts = [f"{n} {NAMES[kind][n != 1]}" for kind, n in self.wish.counts.items()]
+        wet = self.wish.wet
+        counts = {kind: n - sum(wet.values()) * (kind == "bathroom")
+                  for kind, n in self.wish.counts.items()} | wet  # fmt: skip
+        parts = [f"{n} {NAMES[kind][n != 1]}" for kind, n in counts.items()]
         parts += ["an open kitchen"] if self.wish.open_kitchen else []
         area_m2 = self.wish.area_m2
         if area_m2 is not None:
@@ -107,7 +110,8 @@ def read_wish(text: str) -> Understood:
     rest = _OPEN_KITCHEN.sub(" ", rest)
     words = re.findall(r"[a-z]+", plain)
     english = sum(word in _ENGLISH for word in words) >= 0.25 * max(len(words), 1)
-    counts, total = _counts(rest, english, warnings)
+    said, total = _counts(rest, english, warnings)
+    counts, wet = _by_class(said)
     if open_kitchen and counts.get("kitchen") == 0:
         open_kitchen = False
         _drop_contradiction(counts, "kitchen", warnings)
@@ -117,7 +121,7 @@ def read_wish(text: str) -> Understood:
         counts.setdefault("living", 1)
         if counts.setdefault("bedroom", 0):
             warnings.append("a studio has no bedroom of its own, but bedrooms are asked for")
-    found = Understood(Wish(counts, area_m2, open_kitchen), english, tuple(warnings))
+    found = Understood(Wish(counts, area_m2, open_kitchen, wet), english, tuple(warnings))
     if not counts and area_m2 is None and total is None and warnings:
         raise _error(f"cannot be planned: {listed(warnings)}")
     if not counts and area_m2 is None and total is None:
@@ -126,7 +130,7 @@ def read_wish(text: str) -> Understood:
     if total and not {"bedroom", "living"} & set(counts):
         # A "three-room flat" is counted without kitchen and bathroom, from the living room on.
         counts = {"living": 1, "bedroom": total - 1, **counts}
-    return replace(found, wish=Wish(counts, area_m2, open_kitchen))
+    return replace(found, wish=Wish(counts, area_m2, open_kitchen, wet))
 
 
 def _refuse_impossible(found: Understood, total: int | None) -> None:
@@ -137,7 +141,7 @@ def _refuse_impossible(found: Understood, total: int | None) -> None:
         raise _error(f"contradicts itself: {told}")
     if wish.rooms > MOST_ROOMS or (total or 0) > MOST_ROOMS:
         raise _error(f"asks for more rooms than can be planned: {told}", f"at most {MOST_ROOMS}")
-    if len(wish.counts) == len(NAMES) and not wish.rooms:
+    if len(wish.counts) == len(WISHED_KINDS) and not wish.rooms:
         raise _error(f"leaves no room: {told}", "at least one room")
     if wish.area_m2 is None:
         return
@@ -224,10 +228,24 @@ def _counts(
         if number == 0:
             denied.add(kind)
         counts[kind] = counts.get(kind, 0) + number
-    for kind in WISHED_KINDS:
+    for kind in NAMES:
         if kind in denied and counts[kind]:
             _drop_contradiction(counts, kind, warnings)
     return counts, total
+
+
+def _by_class(
+    counts: Mapping[RoomKind, int],
+) -> tuple[dict[RoomKind, int], dict[RoomKind, int]]:
+    """Rooms by the classes that networks plan, and how many bathrooms are washrooms and WCs. A home
+    of which no other wet room is named has its toilet in a bathroom."""
+    wet = {kind: n for kind, n in counts.items() if learned_kind(kind) != kind and n}
+    found = {kind: n for kind, n in counts.items() if learned_kind(kind) == kind}
+    if wet:
+        alone = "bathroom" not in found and "wc" in wet
+        found["bathroom"] = found.get("bathroom", 0) + sum(wet.values())
+        wet = {kind: n - (alone and kind == "wc") for kind, n in wet.items()}
+    return found, {kind: n for kind, n in wet.items() if n}
 
 
 def _drop_contradiction(counts: dict[RoomKind, int], kind: RoomKind, warnings: list[str]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from chord_usd.base.scene.types import ROOM_KINDS, FloatArray, Item, Plan, SceneGraph
+from chord_usd.base.scene.types import LEARNED_KINDS, FloatArray, Item, Plan, SceneGraph
 from chord_usd.base.scene.units import rotation_2d
 from chord_usd.line.lists import pieces
 from chord_usd.line.lists.vocabulary import SEGMENT_FIELDS, Floats, Ints, Sequences, sequence_of
@@ -166,7 +166,7 @@ def batch_of(examples: Sequence[Example], rng: np.random.Generator | None = None
     told = [_told(example, rng) for example in examples]
     if rng is not None:
         for index in np.flatnonzero(rng.random(len(told)) < UNNAMED_SHARE):
-            told[index].facts[0] = ROOM_KINDS.index("unknown")
+            told[index].facts[0] = LEARNED_KINDS.index("unknown")
     return stacked(told)
 
 

@@ -19,7 +19,7 @@ from chord_usd.base.raster.page_labels import (
     built_of,
     laid_of,
 )
-from chord_usd.base.scene.types import ByteArray, FloatArray, Plan
+from chord_usd.base.scene.types import ByteArray, FloatArray, Plan, learned_kind
 from chord_usd.workshop.data.drawn.crowded import draw_page
 from chord_usd.workshop.data.drawn.no_plans import draw_no_plan
 from chord_usd.workshop.data.drawn.truth import CrowdedPage, DrawnStorey
@@ -104,7 +104,7 @@ def _kinds(storeys: Sequence[DrawnStorey], matrix: FloatArray) -> ByteArray:
             continue
         seen = np.column_stack([room.polygon_m, np.ones(len(room.polygon_m))]) @ matrix.T
         corners = np.rint(seen[:, :2] / seen[:, 2:] - 0.5).astype(np.int32)
-        cv2.fillPoly(found, [corners], (KIND_NAMES.index(room.kind),))
+        cv2.fillPoly(found, [corners], (KIND_NAMES.index(learned_kind(room.kind)),))
     return found
 
 

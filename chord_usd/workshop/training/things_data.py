@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chord_usd.base.scene.types import ROOM_KINDS
+from chord_usd.base.scene.types import LEARNED_KINDS
 from chord_usd.line.lists import things
 from chord_usd.line.lists.vocabulary import sequence_of
 from chord_usd.workshop.data.splits import TEST_SEED, is_test_seed
@@ -44,7 +44,7 @@ def batch_of(tabletops: Sequence[Tabletop], rng: np.random.Generator | None = No
     if rng is not None:
         for one in told:
             if rng.random() < UNNAMED_SHARE:
-                one.facts[1] = ROOM_KINDS.index("unknown")
+                one.facts[1] = LEARNED_KINDS.index("unknown")
     return stacked(told)
 
 

@@ -25,7 +25,7 @@ from chord_usd.base.metrics.design import (
 )
 from chord_usd.base.metrics.design.rule import Finding, Judged, Rule, judge
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
-from chord_usd.base.scene.types import RoomKind, SceneGraph
+from chord_usd.base.scene.types import WET_KINDS, RoomKind, SceneGraph
 
 __all__ = ["ROOM_RULES", "Design", "Finding", "Judged", "design_of", "judged_home", "judged_room"]
 
@@ -33,7 +33,7 @@ ROOM_RULES: Mapping[RoomKind, tuple[Rule[View], ...]] = {
     "kitchen": kitchen_rules.RULES,
     "bedroom": bedroom_rules.RULES,
     "living": living_rules.RULES,
-    "bathroom": bathroom_rules.RULES,
+    **dict.fromkeys(WET_KINDS, bathroom_rules.RULES),
 }
 
 

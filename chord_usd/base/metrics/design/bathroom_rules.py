@@ -110,7 +110,7 @@ def _sizes(category: str) -> Callable[[View], Iterator[Measured]]:
 
 
 def _all_there(view: View) -> Iterator[Measured]:
-    missing = lacking("bathroom", view.shell.area_m2, view.categories)
+    missing = lacking(view.shell.kind, view.shell.area_m2, view.categories)
     yield Measured(len(missing), view.middle)
 
 

@@ -13,7 +13,7 @@ from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.rule import Measured, Rule
 from chord_usd.base.metrics.design.view import HomeView, Point, View, distances
 from chord_usd.base.scene.palette import having
-from chord_usd.base.scene.types import FloatArray
+from chord_usd.base.scene.types import WET_KINDS, FloatArray
 
 MOST_DINERS = 8
 HALL_M = 1.2
@@ -97,7 +97,7 @@ def _empty_stores(home: HomeView) -> Iterator[Measured]:
 
 
 def _bathrooms(home: HomeView) -> list[View]:
-    return [room for room in home.rooms if room.shell.kind == "bathroom"]
+    return [room for room in home.rooms if room.shell.kind in WET_KINDS]
 
 
 def _wash(home: HomeView) -> Iterator[Measured]:

@@ -21,7 +21,7 @@ from chord_usd.base.metrics.design import ROOM_RULES, access, dining_rules
 from chord_usd.base.metrics.design.price import CLAUSES
 from chord_usd.base.metrics.design.rule import Finding, Measured, Rule, Unit, judge
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
-from chord_usd.base.scene.types import SceneGraph
+from chord_usd.base.scene.types import WET_KINDS, SceneGraph
 
 FOLDER = Path(__file__).parent / "standards"
 
@@ -161,7 +161,9 @@ def _read(name: str) -> Standard:
 
 
 def _clause(row: Mapping[str, str]) -> Clause:
-    kinds = tuple(row["kinds"].split()) if row["kinds"] != TABLE else (TABLE,)
+    named = row["kinds"].split() if row["kinds"] != TABLE else [TABLE]
+    # Standards ask the same of all rooms with plumbing.
+    kinds = tuple(one for kind in named for one in (WET_KINDS if kind == "bathroom" else (kind,)))
     unit: Unit = "m" if row["unit"] == "m" else "count"
     need = float(row["need"]) if row["need"] else 0.0
     return Clause(row["clause"], kinds, row["measure"], need, unit, row["limit"] == "most",

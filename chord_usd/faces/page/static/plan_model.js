@@ -11,8 +11,8 @@ const SIZES = {
 };
 
 export const ROOM_KINDS = [
-  "living", "dining", "kitchen", "bedroom", "bathroom", "study", "corridor", "balcony", "store",
-  "unknown",
+  "living", "dining", "kitchen", "bedroom", "bathroom", "washroom", "wc", "study", "corridor",
+  "balcony", "store", "unknown",
 ];
 export const OPENING_KINDS = Object.keys(SIZES);
 

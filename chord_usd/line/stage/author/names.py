@@ -28,6 +28,8 @@ ROOM_LABELS: dict[RoomKind, str] = {
     "study": "Study",
     "store": "Storeroom",
     "unknown": "Room",
+    "washroom": "Washroom",
+    "wc": "WC",
 }
 
 

@@ -40,7 +40,7 @@ class Dressing:
     windows_dressed: float
     """Share of the windows of rooms that nobody leaves empty that have a curtain or blind."""
     wet_rooms_with_mirror: float
-    """Share of bathrooms."""
+    """Share of bathrooms and WCs."""
     textured_area: float
     """Share of the surface of furniture and dressing whose material has a texture."""
 
@@ -69,7 +69,7 @@ def measure_dressing(stage: Usd.Stage, storeys: Sequence[StageScene]) -> Dressin
         windows += len(own)
     mirrored = {one.room_id for graph in graphs for one in graph.dressing
                 if one.category == "mirror"}  # fmt: skip
-    wet = [room.id for graph in graphs for room in graph.rooms if room.kind == "bathroom"]
+    wet = [room.id for graph in graphs for room in graph.rooms if room.kind in ("bathroom", "wc")]
     return Dressing(
         items=sum(len(graph.dressing) for graph in graphs),
         windows_dressed=_share(dressed, windows),

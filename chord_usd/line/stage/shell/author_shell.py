@@ -20,7 +20,14 @@ from shapely.ops import unary_union
 from chord_usd.base.scene.geometry import footprint_polygon, polygons_of
 from chord_usd.base.scene.trim import CASING_M
 from chord_usd.base.scene.tunnels import Tunnel
-from chord_usd.base.scene.types import ROOM_HEIGHT_M, WALL_THICKNESS_M, Box, FloatArray, Opening
+from chord_usd.base.scene.types import (
+    ROOM_HEIGHT_M,
+    WALL_THICKNESS_M,
+    WET_KINDS,
+    Box,
+    FloatArray,
+    Opening,
+)
 from chord_usd.base.scene.units import rotation_2d
 from chord_usd.line.stage.author.names import NamedOpening, NamedRoom
 from chord_usd.line.stage.author.prims import (
@@ -56,7 +63,7 @@ from chord_usd.line.stage.shell.walls import (
 _SKIRTING_M = (0.004, 0.07)
 """Depth and height. Thin, so that furniture set against the wall does not collide with it."""
 
-_TILED = ("bathroom", "balcony")
+_TILED = (*WET_KINDS, "balcony")
 """Kinds of rooms without skirting boards."""
 
 _GLASS_DOOR_FROM_M = 1.5

@@ -146,8 +146,8 @@ def _furnish_room(floor: Floor, floors: Sequence[Floor], plan: Plan, is_laundry:
             furnish_dining(floor)
         case "kitchen":
             furnish_kitchen(floor, plan)
-        case "bathroom":
-            furnish_bathroom(floor)
+        case "bathroom" | "washroom" | "wc":
+            furnish_bathroom(floor, has_wc=any(one.kind == "wc" for one in floors))
         case "balcony":
             furnish_balcony(floor, with_laundry=is_laundry)
         case "corridor":
@@ -161,7 +161,8 @@ def _furnish_room(floor: Floor, floors: Sequence[Floor], plan: Plan, is_laundry:
 def _laundry_balcony(floors: Sequence[Floor], dice: random.Random) -> Floor | None:
     """The balcony with the washing machine, if the house has its laundry on a balcony."""
     balconies = [floor for floor in floors if floor.kind == "balcony"]
-    if not balconies or dice.random() > 0.98:
+    has_washroom = any(floor.kind == "washroom" for floor in floors)
+    if not balconies or has_washroom or dice.random() > 0.98:
         return None
     return dice.choice(balconies)
 

@@ -19,7 +19,7 @@ REFRIGERATOR = Fitting("refrigerator", (0.6, 0.6, 1.8), 0.5)
 WASHING_MACHINE = Fitting("washing_machine", (0.6, 0.6, 0.85), 0.55)
 
 _COOL: tuple[RoomKind, ...] = ("kitchen", "dining")
-_WASH: tuple[RoomKind, ...] = ("balcony", "bathroom", "kitchen")
+_WASH: tuple[RoomKind, ...] = ("washroom", "balcony", "bathroom", "kitchen")
 
 
 def add_appliances(floors: Sequence[Floor], dice: random.Random, mix: Mix) -> None:

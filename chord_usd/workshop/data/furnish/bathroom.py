@@ -1,10 +1,12 @@
-"""Bathrooms: toilet, washbasin, and a shower or a bathtub, each with room in front of it."""
+"""Wet rooms: toilet, washbasin, washing machine, and a shower or a bathtub, each with room in front
+of it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
 
+from chord_usd.base.metrics.complete import FEWER_BELOW_M2
 from chord_usd.workshop.data.furnish import sizes
 from chord_usd.workshop.data.furnish.floor import Floor
 from chord_usd.workshop.data.furnish.free_spans import Wall
@@ -29,9 +31,15 @@ _BY_NEED = ("toilet", "washbasin", "shower", "bathtub")
 _LONGEST_M = {"shower": 1.4, "bathtub": 1.8}
 
 
-def furnish_bathroom(floor: Floor) -> None:
-    """The fullest programme that fits, from generous sizes to the smallest; then the laundry."""
-    _place_programme(floor, _programme(floor))
+def furnish_bathroom(floor: Floor, *, has_wc: bool = False) -> None:
+    """The fullest programme that fits, from generous sizes to the smallest; then the laundry.
+
+    has_wc: whether the home has a WC apart, so that a small bathroom does without a toilet.
+    """
+    if floor.kind != "bathroom":
+        _place_programme(floor, _served(floor))
+        return
+    _place_programme(floor, _programme(floor, has_wc))
     shown = [name for name, _, _ in floor.hints]
     # Drawings show washing machines as a second basin.
     has_machine = "washing_machine" in shown or shown.count("washbasin") > 1
@@ -54,7 +62,15 @@ def _place_programme(floor: Floor, wanted: list[str]) -> None:
             return
 
 
-def _programme(floor: Floor) -> list[str]:
+def _served(floor: Floor) -> list[str]:
+    """What belongs into a WC or a washroom; a room for one piece holds the one it is there for."""
+    first = "toilet" if floor.kind == "wc" else "washing_machine"
+    least_m2 = FEWER_BELOW_M2[floor.kind][0][0]
+    wanted = {first, "washbasin"} if floor.area_m2 >= least_m2 else {first}
+    return [name for name in REACH_M if name in wanted]
+
+
+def _programme(floor: Floor, has_wc: bool) -> list[str]:
     """What belongs here, the piece that is hardest to place first."""
     dice, mix = floor.dice, floor.mix
     shown = {name for name, _, _ in floor.hints if name in REACH_M}
@@ -69,11 +85,11 @@ def _programme(floor: Floor) -> list[str]:
     elif shown:
         wanted = set()
     elif floor.area_m2 >= 1.9:
-        wanted = {bathing, "toilet"}
+        wanted = {bathing, "washbasin" if has_wc else "toilet"}
     else:
         wanted = {"toilet", "washbasin"} if floor.area_m2 > 1.1 else {"toilet"}
     wanted |= shown - {"washing_machine"}
-    for name in ("toilet", "washbasin"):
+    for name in ("washbasin", "toilet") if has_wc else ("toilet", "washbasin"):
         if floor.area_m2 >= 2.0 and len(wanted) < 2:
             wanted.add(name)
     if floor.area_m2 > 7.0 and bathing == "bathtub":

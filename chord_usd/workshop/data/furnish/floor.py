@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from chord_usd.base.scene.palette import CATEGORIES
-from chord_usd.base.scene.types import Box, Room, RoomKind
+from chord_usd.base.scene.types import WET_KINDS, Box, Room, RoomKind
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.workshop.data.furnish.free_spans import (
     MARGIN_M,
@@ -117,7 +117,7 @@ class Floor:
         that one person just passes.
         """
         self.squeezed, self.walked = squeezed, -1
-        is_fitted = self.kind in ("bathroom", "kitchen")  # what stands there touches
+        is_fitted = self.kind in (*WET_KINDS, "kitchen")  # what stands there touches
         margin_m = 0.0 if squeezed or is_fitted else MARGIN_M
         for wall in self.walls:
             wall.margin_m = margin_m

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from chord_usd.base.scene.types import RoomKind
+from chord_usd.workshop.data.furnish.appliances import WASHING_MACHINE
 from chord_usd.workshop.data.furnish.floor import Floor, Size
 from chord_usd.workshop.data.furnish.free_spans import Wall
 from chord_usd.workshop.data.furnish.joint import Fitting, Part, place_jointly
@@ -52,6 +53,8 @@ PROGRAMMES: dict[RoomKind, tuple[tuple[Fitting, ...], ...]] = {
         (_SHOWER, _SMALL_TOILET), (_SHOWER, _SMALL_BASIN), (_TOILET,), (_SMALL_TOILET,),
         (_SMALL_BASIN,),
     ),
+    "washroom": ((WASHING_MACHINE, _SMALL_BASIN), (WASHING_MACHINE,), (_SMALL_BASIN,)),
+    "wc": ((_TOILET, _SMALL_BASIN), (_SMALL_TOILET, _SMALL_BASIN), (_TOILET,), (_SMALL_TOILET,)),
     "kitchen": ((_SINK, _COOKER, _REFRIGERATOR), (_SINK, _COOKER), (_SINK,)),
     "bedroom": ((_BED, _WARDROBE), (_BED, _CHEST), (_BED,), (_WARDROBE,), (_CHEST,)),
     "living": (

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from chord_usd.base.scene.palette import having
+from chord_usd.base.scene.types import WET_KINDS
 from chord_usd.workshop.data.furnish.floor import Bounds, Door, Floor, Placed
 
 CELL_M = 0.1
@@ -158,7 +159,7 @@ def _count_faults(floor: Floor) -> int:
 def _path_cells(floor: Floor) -> int:
     if floor.squeezed > 1:
         return NARROWEST_PATH_CELLS
-    return NARROW_PATH_CELLS if floor.squeezed or floor.kind == "bathroom" else PATH_CELLS
+    return NARROW_PATH_CELLS if floor.squeezed or floor.kind in WET_KINDS else PATH_CELLS
 
 
 def _crossings(corners: Sequence[tuple[float, float]], y: float) -> list[float]:

@@ -1,0 +1,139 @@
+"""Which wet rooms of a home are bathrooms, washrooms and WCs: one most likely choice for all.
+
+Plans, rasters and networks know one class, "bathroom". What is printed in a room, its size, what is
+drawn in it, the doors between wet rooms and the needs of the home decide, all in nats.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+
+import shapely
+
+from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.room_names import room_kind
+from chord_usd.base.scene.types import WET_KINDS, Opening, Plan, Room, RoomKind
+
+_USUAL_M2: Mapping[RoomKind, tuple[float, float]] = {
+    "bathroom": (4.5, 0.5), "washroom": (3.2, 0.5), "wc": (1.6, 0.3),
+}  # fmt: skip
+"""Median, and standard deviation of the logarithm, of a room that is known to be of the kind."""
+_MOST_OFF = 4.0
+"""Nats of an unusual size, at most."""
+_PRIOR: Mapping[RoomKind, float] = {"bathroom": 0.0, "washroom": -1.8, "wc": -0.5}
+_NAMED: Mapping[RoomKind, float] = {"bathroom": 0.0, "washroom": 6.0, "wc": 3.0}
+"""Nats of a name that says the kind. People call any wet room a bathroom, and some of them WC."""
+_BATHING = frozenset(("bathtub", "shower"))
+_DRAWN: Mapping[str, tuple[RoomKind, float]] = {
+    "bathtub": ("bathroom", 6.0), "shower": ("bathroom", 6.0), "washing_machine": ("washroom", 2.0),
+}  # fmt: skip
+"""By what is drawn in a room: the kind it speaks for, and nats."""
+_TOILET_IN_WASHROOM = 4.0
+_BATH_ELSEWHERE = 2.0
+"""Nats of no bath in a room where a bath is drawn in another."""
+_BEHIND = 2.0
+"""Nats of a washroom for each wet room that is entered through it, and against one behind it."""
+_NO_BATH, _NO_TOILET = 6.0, 4.0
+_MORE_BATHS, _MORE_WCS, _MORE_WASHROOMS = 1.0, 0.7, 3.0
+"""Nats of the first of a kind that a home does not need; of the second twice as many."""
+_SLEPT_IN = 2
+"""Bedrooms that share a bath."""
+_MOST = 6
+"""Rooms that are weighed together; of more, each by itself."""
+
+
+def with_wet_kinds(plan: Plan, decided: Collection[str] = ()) -> Plan:
+    """The plan with its wet rooms as bathrooms, washrooms and WCs.
+
+    decided: ids of rooms whose kind somebody has said; what is a washroom stays one. plan.extra's
+    "fixtures" ({category, x, y}, metres) say what is drawn where.
+    """
+    open_ids = [room.id for room in plan.rooms
+                if room.kind in ("bathroom", "wc") and room.id not in decided]  # fmt: skip
+    if not open_ids:
+        return plan
+    wet = [room for room in plan.rooms if room.kind in WET_KINDS]
+    behind = _entered_through(wet, plan.openings)
+    drawn = _drawn(plan, wet)
+    bathed_in = {room_id for room_id, own in drawn.items() if own & _BATHING}
+    nats = {room.id: _own_nats(room, drawn[room.id], behind) for room in wet}
+    for room_id, own in nats.items():
+        own["bathroom"] -= _BATH_ELSEWHERE * bool(bathed_in and room_id not in bathed_in)
+    known = [room.kind for room in wet if room.id not in open_ids]
+    bedrooms = sum(room.kind == "bedroom" for room in plan.rooms)
+    chosen = _chosen([nats[room_id] for room_id in open_ids], known, bedrooms)
+    kinds = dict(zip(open_ids, chosen, strict=True))
+    rooms = (replace(room, kind=kinds.get(room.id, room.kind)) for room in plan.rooms)
+    return replace(plan, rooms=tuple(rooms))
+
+
+def _chosen(
+    nats: Sequence[Mapping[RoomKind, float]], known: Sequence[RoomKind], bedrooms: int
+) -> tuple[RoomKind, ...]:
+    if len(nats) > _MOST:
+        return tuple(max(WET_KINDS, key=lambda kind: own[kind]) for own in nats)
+
+    def weight(kinds: tuple[RoomKind, ...]) -> float:
+        own = sum(one[kind] for one, kind in zip(nats, kinds, strict=True))
+        return own - _missed((*known, *kinds), bedrooms)
+
+    return max(product(WET_KINDS, repeat=len(nats)), key=weight)
+
+
+def _missed(kinds: Sequence[RoomKind], bedrooms: int) -> float:
+    """Nats of what a home of such wet rooms lacks, and has too much of."""
+    baths, washrooms, closets = (kinds.count(kind) for kind in WET_KINDS)
+    needed = max(1, math.ceil(bedrooms / _SLEPT_IN))
+    extra = ((max(0, baths - needed), _MORE_BATHS), (max(0, closets - needed), _MORE_WCS),
+             (max(0, washrooms - 1), _MORE_WASHROOMS))  # fmt: skip
+    lacks = _NO_BATH * (not baths) + _NO_TOILET * (not baths + closets)
+    return lacks + sum(cost * count * (count + 1) / 2 for count, cost in extra)
+
+
+def _own_nats(
+    room: Room, drawn: Collection[str], behind: Mapping[str, Collection[str]]
+) -> dict[RoomKind, float]:
+    area_m2 = room_polygon(room).area
+    said = room_kind(room.name)
+    found: dict[RoomKind, float] = {}
+    for kind in WET_KINDS:
+        median, spread = _USUAL_M2[kind]
+        off = 0.5 * (math.log(max(area_m2, 0.1) / median) / spread) ** 2
+        found[kind] = _PRIOR[kind] - min(off, _MOST_OFF) + _NAMED[kind] * (said == kind)
+    for kind, nats in {_DRAWN[one] for one in drawn if one in _DRAWN}:
+        found[kind] += nats
+    found["washroom"] -= _TOILET_IN_WASHROOM * ("toilet" in drawn)
+    before = sum(room.id in others for others in behind.values())
+    found["washroom"] += _BEHIND * (before - bool(behind[room.id]))
+    return found
+
+
+def _entered_through(rooms: Iterable[Room], openings: Iterable[Opening]) -> dict[str, set[str]]:
+    """By id of a wet room, the other wet room that its only ways lead into; else nothing."""
+    ways = [one for one in openings if one.kind != "window"]
+    ids = {room.id for room in rooms}
+    found: dict[str, set[str]] = {}
+    for room_id in ids:
+        own = [one for one in ways if room_id in one.room_ids]
+        beyond = {other for one in own for other in one.room_ids} - {room_id}
+        is_inner = len(beyond) == 1 and beyond <= ids and all(len(one.room_ids) == 2 for one in own)
+        found[room_id] = beyond if is_inner else set()
+    return found
+
+
+def _drawn(plan: Plan, rooms: Sequence[Room]) -> dict[str, set[str]]:
+    """By id of a room, the categories that plan.extra notes there; it may hold anything."""
+    noted = plan.extra.get("fixtures", ())
+    found: dict[str, set[str]] = {room.id: set() for room in rooms}
+    floors = [(room.id, room_polygon(room)) for room in rooms]
+    for one in noted if isinstance(noted, list | tuple) else ():
+        place = [one.get(axis) for axis in "xy"] if isinstance(one, Mapping) else []
+        if len(place) == 2 and all(isinstance(value, int | float) for value in place):
+            at = shapely.Point(place)
+            for room_id, floor in floors:
+                if floor.intersects(at):
+                    found[room_id].add(str(one.get("category")))
+    return found
