@@ -25,7 +25,7 @@ from chord_usd.base.scene.geometry import (
     room_polygon,
 )
 from chord_usd.base.scene.palette import CATEGORIES, Mount
-from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, FloatArray, Item, Room
+from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, FloatArray, Item, Room, RoomKind
 from chord_usd.library.asset_boards import boards_of
 from chord_usd.library.asset_leaves import leaves_of
 from chord_usd.library.asset_relief import relief_of
@@ -81,7 +81,7 @@ class RoomFrame:
         return grown
 
     @property
-    def kind(self) -> str:
+    def kind(self) -> RoomKind:
         """Of the room."""
         return self.room.kind
 

@@ -169,8 +169,8 @@ def rooms_around(
     known = None if told is None else frozenset(told)
     walls = [(room, _sides(room.polygon_m)) for room in graph.rooms]
     near = _near(graph.rooms)
-    kinds = [learned_kind(room.kind) for room in graph.rooms]
-    counts = np.array([kinds.count(kind) for kind in LEARNED_KINDS])
+    classes = [learned_kind(room.kind) for room in graph.rooms]
+    counts = np.array([classes.count(kind) for kind in LEARNED_KINDS])
     held = {room.id: _held(graph.items_of(room.id)) for room in graph.rooms}
     clear = list(clearances(graph.rooms, graph.openings))
     found = []
