@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from chord_usd.base.scene.geometry import room_polygon
-from chord_usd.base.scene.types import LEARNED_KINDS, Plan, RoomKind
+from chord_usd.base.scene.types import LEARNED_KINDS, WET_KINDS, Plan, RoomKind
 
 NAMES: dict[RoomKind, tuple[str, str]] = {
     "living": ("living room", "living rooms"),
@@ -80,7 +80,7 @@ def with_wished_wet(plan: Plan, wish: Wish) -> Plan:
     a bathroom."""
     baths = sorted((room for room in plan.rooms if room.kind == "bathroom"),
                    key=lambda room: room_polygon(room).area)[:-1]  # fmt: skip
-    kinds = [kind for kind in ("wc", "washroom") for _ in range(wish.wet.get(kind, 0))]
+    kinds = [kind for kind in WET_KINDS[:0:-1] for _ in range(wish.wet.get(kind, 0))]
     names = [f"{NAMES[kind][0].capitalize()} {kinds[:at].count(kind) + 1}"
              for at, kind in enumerate(kinds)]  # fmt: skip
     new = {room.id: replace(room, kind=kind, name=name)

@@ -83,7 +83,7 @@ class Understood:
         """The wish in short: "2 bedrooms, 1 kitchen, 70 m²"."""
         wet = self.wish.wet
         counts = {kind: n - sum(wet.values()) * (kind == "bathroom")
-                  for kind, n in self.wish.counts.items()} | wet  # fmt: skip
+                  for kind, n in (*self.wish.counts.items(), *wet.items())}  # fmt: skip
         parts = [f"{n} {NAMES[kind][n != 1]}" for kind, n in counts.items()]
         parts += ["an open kitchen"] if self.wish.open_kitchen else []
         area_m2 = self.wish.area_m2
