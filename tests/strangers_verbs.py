@@ -55,6 +55,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "train lists": (),
     "train boxes": (),
     "train reader": (),
+    "train symbols": (),
     "train next": (),
     "train detector": (),
     "evaluate layouts": ("--from", "houses"),

@@ -77,6 +77,7 @@ SLOW: dict[str, str] = {
     "train lists": TRAIN,
     "train boxes": TRAIN,
     "train reader": f"{TRAIN} --workers 0",
+    "train symbols": f"{TRAIN} --workers 0",
     "train next": "--dry-run",
     "evaluate layouts": ONE,
     "evaluate ood": "--n 1 --draws 1 --per-room 1",

@@ -49,3 +49,20 @@ floors are a quarter as fine, (B, n, H / KIND_STEP_PX, W / KIND_STEP_PX)."""
 KIND_STEP_PX = 4
 READER_MULTIPLE_PX = 32
 """Sides of what it is given are multiples of this."""
+
+PIECE_NAMES = (
+    "bathtub", "shower", "toilet", "washbasin", "sink_cabinet", "cooker_cabinet", "bed", "sofa",
+    "single_sofa", "dining_table", "table", "coffee_table", "cabinet", "refrigerator",
+    "washing_machine", "chair",
+)  # fmt: skip
+"""Drawn furniture and fixtures that are looked for, by category."""
+PIECES_OUTPUTS = ("centres", "shapes")
+"""Of the network that finds them, which takes READER_INPUT: (B, len(PIECE_NAMES), H, W) chances
+that a piece has its centre in a cell, and (B, 6, H, W) of it: where in the cell (x, y), the
+logarithms of its length and depth in pixels, and the direction of its front (x, y), y down."""
+PIECE_STEP_PX = 4
+"""A side of a cell."""
+PIECE_M_PER_PX = 0.03
+"""The scale at which pages are looked at for pieces."""
+PIECE_MULTIPLE_PX = 16
+"""Sides of what it is given are multiples of this."""

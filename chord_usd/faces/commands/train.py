@@ -45,6 +45,9 @@ if TYPE_CHECKING:
     from chord_usd.workshop.training.stream import BatchStream
     from chord_usd.workshop.training.trainer import LayoutTrainer
 
+_SYMBOL_CROPS = 96
+"""Held-out crops of about seven metres that drawn pieces are scored on."""
+
 
 def add(verbs: Verbs) -> None:
     """Adds the verbs."""
@@ -103,6 +106,11 @@ def add(verbs: Verbs) -> None:
         action="store_true",
         help="learn what floors are for, and leave all else as --start has it",
     )
+    symbols = add_verb(
+        group, "symbols", run_symbols, "train the model that finds drawn furniture and fixtures"
+    )
+    add_training_options(symbols, minutes=60.0, batch=None)
+    add_loop_options(symbols)
     detector = add_verb(group, "detector", run_detector, "train the detector of layout rasters")
     add_training_options(detector, minutes=15.0, batch=16)
     detector.add_argument(
@@ -307,6 +315,23 @@ def run_reader(options: argparse.Namespace) -> Outcome:
     with watch.step("train") as progress:
         facts = train_reader(
             config, options.output, crops, progress, start=options.start, flats=flats
+        )
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {counted(facts['steps'], 'step')}", data)
+
+
+def run_symbols(options: argparse.Namespace) -> Outcome:
+    """Runs train symbols."""
+    from chord_usd.workshop.training.symbols_data import held_out
+    from chord_usd.workshop.training.symbols_trainer import SymbolsTraining, train_symbols
+
+    device_of(options)
+    watch = stopwatch(options)
+    with watch.step("draw"):
+        crops = held_out(_SYMBOL_CROPS)
+    with watch.step("train") as progress:
+        facts = train_symbols(
+            run_of(options, SymbolsTraining()), options.output, crops, progress, options.start
         )
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
     return Outcome(f"{data['checkpoint']}: {counted(facts['steps'], 'step')}", data)

@@ -14,7 +14,7 @@ import shapely
 
 from chord_usd.base.raster.page_labels import CORNER, HINGE, JAMB
 from chord_usd.base.scene.geometry import footprint_polygon, polygons_of, rooms_beside
-from chord_usd.base.scene.types import Box, FloatArray, Plan, frozen_array
+from chord_usd.base.scene.types import Box, FloatArray, Item, Plan, frozen_array
 from chord_usd.workshop.data.drawn.dimensions import (
     draw_axes,
     draw_chains,
@@ -62,9 +62,11 @@ class _Placed:
     origin_m: FloatArray
 
 
-def draw_page(seed: int, look: Look | None = None, flats: Sequence[Plan] = ()) -> CrowdedPage:
+def draw_page(
+    seed: int, look: Look | None = None, flats: Sequence[Plan] = (), *, is_varied: bool = False
+) -> CrowdedPage:
     """The page of a seed; look: drawn too where it is not given; flats: shown in place of
-    procedural plans."""
+    procedural plans; is_varied: furniture and fixtures in symbols of many hands."""
     rng, walls = np.random.default_rng(seed), np.random.default_rng((seed, 1))
     look = random_look(rng) if look is None else look
     count = int(rng.choice(len(_STOREYS), p=_STOREYS)) + 1
@@ -80,10 +82,10 @@ def draw_page(seed: int, look: Look | None = None, flats: Sequence[Plan] = ()) -
     canvas = Canvas(size_m, side / float(size_m.max()), look.paper_rgb)
     for one in placed:
         _draw_around(canvas, one, look, rng)
-    leaves = [_draw_storey(canvas, one, look, rng) for one in placed]
+    drawn = [_draw_storey(canvas, one, look, rng, is_varied) for one in placed]
     draw_page_furniture(canvas, look, rng)
     page = worn(Picture(canvas.rgb, canvas.labels, canvas.matrix()), look, rng)
-    storeys = tuple(_as_vectors(one, hung) for one, hung in zip(placed, leaves, strict=True))
+    storeys = tuple(_as_vectors(one, *own) for one, own in zip(placed, drawn, strict=True))
     points = _points(storeys, page.matrix, page.rgb.shape)
     return CrowdedPage(
         frozen_array(page.rgb, np.uint8), frozen_array(page.labels, np.uint8), points, storeys,
@@ -122,7 +124,10 @@ def _draw_around(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Genera
         draw_neighbours(canvas, one.house, look, rng)
 
 
-def _draw_storey(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Generator) -> list[Leaf]:
+def _draw_storey(
+    canvas: Canvas, one: _Placed, look: Look, rng: np.random.Generator, is_varied: bool
+) -> tuple[list[Leaf], tuple[Item, ...]]:
+    """What is drawn of a storey: leaves of doors, and pieces."""
     house = one.house
     canvas.origin_m = one.origin_m
     draw_floors(canvas, house, look, rng)
@@ -130,7 +135,7 @@ def _draw_storey(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Genera
     clear = tuple(
         item for item in house.items if not footprint_polygon(item.box).intersects(flights)
     )
-    draw_items(canvas, clear, look, rng)
+    pieces = draw_items(canvas, clear, look, rng, is_varied=is_varied)
     draw_walls(canvas, house, look, rng)
     leaves = [leaf for gap in house.gaps for leaf in draw_gap(canvas, gap, look, rng)]
     draw_inner_dimensions(canvas, house, look, rng)
@@ -138,13 +143,13 @@ def _draw_storey(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Genera
         draw_axes(canvas, house, look, rng)
     write_names(canvas, house, look, rng)
     draw_chains(canvas, house, look, rng)
-    return leaves
+    return leaves, pieces
 
 
 # Vectors -----------------------------------------------------------------------------------------
 
 
-def _as_vectors(one: _Placed, leaves: list[Leaf]) -> DrawnStorey:
+def _as_vectors(one: _Placed, leaves: list[Leaf], pieces: tuple[Item, ...]) -> DrawnStorey:
     """A storey in metres on the sheet."""
     plan, shift = one.house.plan(), one.origin_m
     rooms = tuple(
@@ -161,7 +166,8 @@ def _as_vectors(one: _Placed, leaves: list[Leaf]) -> DrawnStorey:
         for ring in (shapely.geometry.polygon.orient(part).exterior, *part.interiors)
     ]
     hinges = tuple((leaf.opening_id, leaf.hinge + shift, leaf.tip + shift) for leaf in leaves)
-    return DrawnStorey(Plan(rooms, openings), tuple(rings), hinges)
+    moved = tuple(replace(item, box=_moved(item.box, shift)) for item in pieces)
+    return DrawnStorey(Plan(rooms, openings), tuple(rings), hinges, moved)
 
 
 def _moved(box: Box, shift: FloatArray) -> Box:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -17,8 +17,10 @@ from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import Item
 from chord_usd.workshop.data.drawn.fills import tiles
+from chord_usd.workshop.data.drawn.fixture_symbols import bidet
 from chord_usd.workshop.data.drawn.from_above import draw_from_above
 from chord_usd.workshop.data.drawn.labelled_canvas import Canvas
+from chord_usd.workshop.data.drawn.many_symbols import DRAWN
 from chord_usd.workshop.data.drawn.page_looks import Look
 from chord_usd.workshop.data.drawn.page_styles import RGB
 
@@ -30,6 +32,16 @@ first one is its body."""
 FIXTURES = having("fixture")
 """What stays when people move out."""
 
+
+_ALIKE = 0.85
+"""Of the pieces of a category on a page with a habit, this share looks alike."""
+_SOLID, _SMALL_M2 = 0.12, 0.05
+"""Share of hands that fill inner shapes with ink, and how small these are."""
+
+_HUNG = 0.3
+"""Share of hands that dash cabinets above worktops."""
+_BIDETS = 0.15
+"""Share of WCs with a bidet beside them."""
 
 _MESHES = 0.65
 """Share of pages with furniture in colours that show ours."""
@@ -46,6 +58,11 @@ class Hand:
     has_worktop_lines: bool = True
     has_meshes: bool = False
     """Pieces are our own, seen from above."""
+    habit: int | None = None
+    """Seed of the symbols of a page on which all of a category look alike, as real ones do; None:
+    few symbols, each drawn by itself."""
+    is_solid: bool = False
+    """Inner shapes, such as rings and bowls, are filled with ink."""
     colors: dict[str, RGB] = field(default_factory=dict)
 
     def color(self, category: str) -> RGB | None:
@@ -65,15 +82,33 @@ class Hand:
             self.colors[category] = (red, green, blue)
         return self.colors[category]
 
+    def shapes(self, item: Item) -> Shapes:
+        """The symbol of a piece."""
+        length, depth = item.box.size_m[:2]
+        if self.habit is None:
+            return _DRAWN.get(item.category, _plain)(length, depth, self.rng)
+        draw = DRAWN.get(item.category, _plain)
+        is_usual = self.rng.random() < _ALIKE
+        seed = self.habit if is_usual else int(self.rng.integers(1 << 30))
+        return draw(length, depth, np.random.default_rng((seed, *item.category.encode())))
+
 
 def draw_items(
-    canvas: Canvas, items: tuple[Item, ...], look: Look, rng: np.random.Generator
-) -> None:
-    """Furniture and fixtures, labelled."""
+    canvas: Canvas,
+    items: tuple[Item, ...],
+    look: Look,
+    rng: np.random.Generator,
+    *,
+    is_varied: bool = False,
+) -> tuple[Item, ...]:
+    """Furniture and fixtures, labelled; the drawn ones. is_varied: with symbols of many hands."""
     if look.pieces == "none":
-        return
+        return ()
     has_meshes = look.pieces == "photo" and rng.random() < _MESHES
     hand = Hand(look, rng, bool(rng.random() < 0.4), 1, bool(rng.random() < 0.5), has_meshes)
+    if is_varied:
+        _vary(hand, canvas, items)
+    drawn = []
     for item in items:
         is_fixture = item.category in FIXTURES
         if look.only_fixtures and not is_fixture:
@@ -81,13 +116,53 @@ def draw_items(
         if rng.random() >= look.pieces_kept and not is_fixture:
             continue
         _draw_item(canvas, item, hand)
+        drawn.append(item)
+        if item.category == "toilet" and is_varied and rng.random() < _BIDETS:
+            _draw_bidet(canvas, item, items, hand)
+    return tuple(drawn)
+
+
+def _draw_bidet(canvas: Canvas, toilet: Item, items: tuple[Item, ...], hand: Hand) -> None:
+    """A bidet beside a WC, where nothing stands there."""
+    side = float(hand.rng.choice([-1, 1])) * hand.rng.uniform(0.5, 0.7)
+    turn = math.radians(toilet.box.yaw_deg)
+    x, y, z = toilet.box.center_m
+    at = (x + side * math.cos(turn), y + side * math.sin(turn), z)
+    box = replace(toilet.box, center_m=at, size_m=(0.37, 0.55, 0.4))
+    shape = footprint_polygon(box)
+    if any(shape.intersects(footprint_polygon(item.box)) for item in items):
+        return
+    for outline in bidet(*box.size_m[:2], hand.rng):
+        placed = affinity.rotate(outline, box.yaw_deg, origin=(0, 0))
+        canvas.outline(affinity.translate(placed, *at[:2]), hand.look.piece_rgb, hand.line_px)
+    canvas.fill(shape, None, laid=PIECE)
+
+
+def _vary(hand: Hand, canvas: Canvas, items: tuple[Item, ...]) -> None:
+    """Symbols of a habit, in finer or thicker strokes; worktops as runs without joints."""
+    rng = hand.rng
+    hand.habit = int(rng.integers(1 << 30))
+    hand.is_round = False
+    hand.is_solid = bool(rng.random() < _SOLID)
+    thick = max(1, round(rng.uniform(0.01, 0.03) * canvas.px_per_m))
+    hand.line_px = int(rng.choice([1, 1, thick]))
+    if hand.has_worktop_lines:
+        return
+    units = [footprint_polygon(item.box) for item in items if item.category in having("worktop")]
+    run = shapely.union_all([unit.buffer(0.02, join_style="mitre") for unit in units])
+    if rng.random() < _HUNG:
+        # What hangs above the worktop is dashed.
+        inner = run.buffer(-rng.uniform(0.2, 0.28), join_style="mitre")
+        canvas.outline(inner, hand.look.piece_rgb, 1, 0.1)
+    if hand.look.pieces not in ("lines", "photo") or rng.random() < 0.2:
+        canvas.fill(run, hand.color("worktop"))
+    canvas.outline(run, hand.look.piece_rgb, hand.line_px)
 
 
 def _draw_item(canvas: Canvas, item: Item, hand: Hand) -> None:
     length, depth = item.box.size_m[:2]
     look, rng = hand.look, hand.rng
-    draw = _DRAWN.get(item.category, _plain)
-    shapes = draw(length, depth, rng)
+    shapes = hand.shapes(item)
     if hand.is_round and isinstance(shapes[0], Polygon) and min(length, depth) > 0.25:
         shapes[0] = shapes[0].buffer(-0.06, join_style="mitre").buffer(0.06)
     placed = [
@@ -100,6 +175,8 @@ def _draw_item(canvas: Canvas, item: Item, hand: Hand) -> None:
     if hand.has_meshes and draw_from_above(canvas, item, rng, has_shadow=look.has_shadows):
         return
     fill = hand.color(item.category)
+    if hand.habit is not None and item.category in having("worktop") and not hand.has_worktop_lines:
+        fill = None
     if fill is not None:
         _fill_body(canvas, placed[0], fill, hand)
     has_lines = look.pieces != "photo" or rng.random() < 0.4
@@ -108,10 +185,16 @@ def _draw_item(canvas: Canvas, item: Item, hand: Hand) -> None:
             shade = rng.integers(-30, 45)
             red, green, blue = (int(np.clip(v + shade, 0, 255)) for v in fill)
             canvas.fill(shape, (red, green, blue))
+        if index and hand.is_solid and _is_small(shape):
+            canvas.fill(shape, look.piece_rgb)
         if not index and item.category in having("worktop") and not hand.has_worktop_lines:
             continue
         if has_lines:
             canvas.outline(shape, look.piece_rgb, hand.line_px)
+
+
+def _is_small(shape: BaseGeometry) -> bool:
+    return isinstance(shape, Polygon) and shape.area < _SMALL_M2
 
 
 def _fill_body(canvas: Canvas, body: BaseGeometry, rgb: RGB, hand: Hand) -> None:

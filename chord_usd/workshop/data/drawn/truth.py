@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from chord_usd.base.scene.types import ByteArray, FloatArray, Plan
+from chord_usd.base.scene.types import ByteArray, FloatArray, Item, Plan
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,6 +18,8 @@ class DrawnStorey:
     """(N, 2) rings of the walls' bodies, openings left out; holes run clockwise."""
     hinges_m: tuple[tuple[str, FloatArray, FloatArray], ...]
     """Of each leaf: its opening's id, (2,) where it hangs and (2,) where its tip is when open."""
+    pieces: tuple[Item, ...] = ()
+    """Furniture and fixtures that are drawn. Metres on the sheet."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,172 @@
+"""Furniture and fixtures that a drawing shows, found by a network."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from chord_usd.base.errors import CheckpointError
+from chord_usd.base.raster.page_labels import (
+    PIECE_M_PER_PX,
+    PIECE_MULTIPLE_PX,
+    PIECE_NAMES,
+    PIECE_STEP_PX,
+    READER_INPUT,
+)
+from chord_usd.base.runtime.networks import Network, load_network
+from chord_usd.base.scene.palette import category
+from chord_usd.base.scene.types import Box, ByteArray, FloatArray, Item, PixelFrame
+from chord_usd.base.scene.units import m_from_px, wrap_deg
+
+PIECES_CHECKPOINT = "symbols"
+_REMEDY = "chord-usd train symbols, or reinstall chord-usd"
+
+FOLLOWING = frozenset(["chair"])
+"""What stands where other pieces are: it helps the network to tell these."""
+LEAST_CHANCE = 0.3
+_ENLARGED = 2.2
+"""A picture is not enlarged more than this, as in training."""
+_TILE_PX, _OVERLAP_PX = 768, 96
+_SAME_SPOT = 0.5
+"""Of two pieces whose centres are nearer than this share of the smaller one's shorter side, the
+likelier is there."""
+
+Map = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class SeenPiece:
+    """A piece as it is drawn, in pixels of the picture, y down."""
+
+    category: str
+    chance: float
+    center_px: tuple[float, float]
+    length_px: float
+    depth_px: float
+    front: tuple[float, float]
+    """Unit vector."""
+
+
+class PieceFinder:
+    """The network of a checkpoint."""
+
+    def __init__(self, network: Network, least: Mapping[str, float]) -> None:
+        """least: by category, the chance from which on a piece counts."""
+        self._network = network
+        self._least = np.array([least.get(name, LEAST_CHANCE) for name in PIECE_NAMES])
+
+    def find(self, rgb: ByteArray, m_per_px: float, least: float | None = None) -> list[SeenPiece]:
+        """Pieces on a picture, (H, W, 3), the likeliest first.
+
+        m_per_px: its scale. least: chance from which on a piece counts, in place of the
+        checkpoint's.
+        """
+        enough = self._least if least is None else np.full(len(PIECE_NAMES), least)
+        share = min(m_per_px / PIECE_M_PER_PX, _ENLARGED)
+        size = tuple(max(PIECE_MULTIPLE_PX, round(side * share)) for side in rgb.shape[1::-1])
+        way = cv2.INTER_AREA if share < 1.0 else cv2.INTER_CUBIC
+        small = np.asarray(cv2.resize(rgb, size, interpolation=way), np.uint8)
+        # Where the picture is finer than it may be enlarged to, sizes are those of its own scale.
+        found = [piece for window in _windows(small.shape[:2])
+                 for piece in self._in_window(small, window, enough)]  # fmt: skip
+        found.sort(key=lambda piece: -piece.chance)
+        return [_times(piece, 1.0 / share) for piece in _apart(found)]
+
+    def _in_window(
+        self, rgb: ByteArray, window: tuple[slice, slice], least: FloatArray
+    ) -> Iterator[SeenPiece]:
+        part = rgb[window]
+        height, width = part.shape[:2]
+        more = (-height % PIECE_MULTIPLE_PX, -width % PIECE_MULTIPLE_PX)
+        padded = cv2.copyMakeBorder(part, 0, more[0], 0, more[1], cv2.BORDER_REPLICATE)
+        scaled = padded.transpose(2, 0, 1)[None].astype(np.float32) / 127.5 - 1.0
+        centres, shapes = (one[0] for one in self._network.run({READER_INPUT: scaled}))
+        corner = np.array([window[1].start, window[0].start], np.float64)
+        for kind, row, column in zip(*_peaks(centres, least), strict=True):
+            x, y, length, depth, front_x, front_y = shapes[:, row, column].astype(float)
+            at = np.array([column + x, row + y]) * PIECE_STEP_PX + corner
+            norm = max(float(np.hypot(front_x, front_y)), 1e-6)
+            yield SeenPiece(
+                PIECE_NAMES[kind], float(centres[kind, row, column]), (at[0], at[1]),
+                float(np.exp(length)), float(np.exp(depth)), (front_x / norm, front_y / norm),
+            )  # fmt: skip
+
+
+@cache
+def load_finder(folder: Path) -> PieceFinder:
+    """The finder of a checkpoint folder. Raises CheckpointError."""
+    network = load_network(folder, _REMEDY)
+    try:
+        told = json.loads((folder / "config.json").read_text(encoding="utf-8"))
+        least = {str(name): float(chance) for name, chance in told.get("least", {}).items()}
+    except (OSError, ValueError, AttributeError, TypeError) as error:
+        raise CheckpointError(
+            f"the description cannot be read ({str(error).splitlines()[0]})",
+            where=str(folder / "config.json"),
+            try_=_REMEDY,
+        ) from error
+    return PieceFinder(network, least)
+
+
+def _peaks(centres: Map, least: FloatArray) -> tuple[np.ndarray, ...]:
+    """Kind, row and column of cells that are likelier than all beside them."""
+    top = np.stack([cv2.dilate(one, np.ones((3, 3), np.uint8)) for one in centres])
+    return np.nonzero((centres >= top) & (centres >= least[:, None, None]))
+
+
+def _windows(shape: tuple[int, int]) -> Iterator[tuple[slice, slice]]:
+    rows, columns = (list(_pieces_of(side)) for side in shape)
+    yield from ((row, column) for row in rows for column in columns)
+
+
+def _pieces_of(side: int) -> Iterator[slice]:
+    start = 0
+    while True:
+        yield slice(start, min(start + _TILE_PX, side))
+        if start + _TILE_PX >= side:
+            return
+        start += _TILE_PX - _OVERLAP_PX
+
+
+def _apart(pieces: list[SeenPiece]) -> list[SeenPiece]:
+    """Without those that stand where a likelier one stands."""
+    kept: list[SeenPiece] = []
+    for piece in pieces:
+        short = min(piece.length_px, piece.depth_px)
+        for other in kept:
+            near = _SAME_SPOT * min(short, other.length_px, other.depth_px)
+            if np.hypot(*np.subtract(piece.center_px, other.center_px)) < near:
+                break
+        else:
+            kept.append(piece)
+    return kept
+
+
+def _times(piece: SeenPiece, by: float) -> SeenPiece:
+    x, y = piece.center_px
+    return SeenPiece(
+        piece.category, piece.chance, (x * by, y * by), piece.length_px * by, piece.depth_px * by,
+        piece.front,
+    )  # fmt: skip
+
+
+def as_items(pieces: Iterable[SeenPiece], frame: PixelFrame) -> list[Item]:
+    """Pieces in metres. frame: of the picture that they were seen on."""
+    found = []
+    for piece in pieces:
+        x, y = m_from_px(np.array([piece.center_px]), frame)[0].tolist()
+        row = category(piece.category)
+        front_x, front_y = piece.front
+        # The front looks to -y at yaw 0; pixels count downwards.
+        yaw_deg = wrap_deg(float(np.degrees(np.arctan2(front_x, front_y))))
+        length, depth = (side * frame.m_per_px for side in (piece.length_px, piece.depth_px))
+        box = Box((x, y, row.mount_height_m), (length, depth, sum(row.height_m) / 2), yaw_deg)
+        found.append(Item("", piece.category, box, score=piece.chance))
+    return found
