@@ -10,7 +10,7 @@ from chord_usd.base.scene.types import Box, Edit, Facts, FrontFrom
 
 FACT_KEYS = (
     "source_px", "front_from", "detected", "below_sill_m", "asset_distance_m", "ood", "edits",
-    "moved_m", "rests_on", "unit",
+    "moved_m", "rests_on", "unit", "locked",
 )  # fmt: skip
 """moved_m is of older files; it follows from the edits."""
 
@@ -34,6 +34,7 @@ def read_facts(element: Element, read_box: ReadBox) -> Facts:
         edits=_edits(element, read_box),
         rests_on=element.text("rests_on") if element.has("rests_on") else None,
         unit=element.text("unit") if element.has("unit") else None,
+        locked=_truth(element, "locked") or False,
     )
 
 
@@ -76,5 +77,6 @@ def facts_to_json(facts: Facts, write_box: Callable[[Box], Any]) -> dict[str, An
         "edits": [{"rule": e.rule, **write_box(e.before)} for e in facts.edits] or None,
         "rests_on": facts.rests_on,
         "unit": facts.unit,
+        "locked": facts.locked or None,
     }
     return {key: value for key, value in values.items() if value is not None}

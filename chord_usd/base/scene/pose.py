@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from chord_usd.base.scene.drawn_pieces import DRAWN, drawn_items, to_entry
 from chord_usd.base.scene.types import (
     Box,
     FloatArray,
@@ -87,6 +88,9 @@ def _posed_item(item: Item, pose: Pose) -> Item:
 
 
 def _posed_extra(extra: Mapping[str, Any], pose: Pose) -> Mapping[str, Any]:
+    if DRAWN in extra:
+        items = [_posed_item(item, pose) for item in drawn_items(extra)]
+        extra = {**extra, DRAWN: to_entry(items)}
     if "fixtures" not in extra:
         return extra
     fixtures = []

@@ -153,6 +153,10 @@ class Settings:
         "", 'kinds of rooms, by their numbers on the overlay or ids: "3: bedroom, 5: bathroom"; '
         'of several storeys, "1/3: bedroom"', "Rooms", metavar="KINDS", faces=("agent",),
     )  # fmt: skip
+    drawn: bool = _row(
+        True, "furnish an empty plan: nothing is kept of the furniture that the drawing shows",
+        "As drawn", "ignore-drawn", faces=("agent",),
+    )  # fmt: skip
     tabletop: bool = _row(
         True, "leave tables, desks and worktops bare", "Objects on tables", "no-tabletop",
         decides_models=True, faces=("panel",),
@@ -201,6 +205,7 @@ class HouseOptions(TypedDict, total=False):
     dwelling: int
     homes_only: bool
     rooms: str
+    drawn: bool
     tabletop: bool
     dressing: bool
     sky: str

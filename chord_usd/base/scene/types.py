@@ -242,6 +242,8 @@ class Facts:
     """Id of the piece that dressing lies on, stands in or hangs over: the bed of a throw."""
     unit: str | None = None
     """Of a composed kitchen: the variety of the unit (compose.cut.Variety), "" for a plain one."""
+    locked: bool = False
+    """Whether it stands where the plan shows it, and stays there."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -139,6 +139,7 @@ def _summary(
     house: House, stage: Path, seconds: dict[str, float], check: dict[str, Any] | None
 ) -> dict[str, Any]:
     from chord_usd.line.arrange.rules import edits_told
+    from chord_usd.line.pipeline.as_drawn import drawn_told
 
     graphs, storeys = house.graphs, house.storeys
     furniture = sum(len(graph.items) for graph in graphs)
@@ -154,6 +155,7 @@ def _summary(
         "openings": sum(len(graph.openings) for graph in graphs),
         "redrawn": [room for made in storeys for room in made.redrawn],
         "left_out": [item for made in storeys for item in made.left_out],
+        "drawn": [piece for made in storeys for piece in drawn_told(made.drawn, made.graph)],
         "edits": [edit for graph in graphs for edit in edits_told(graph)],
         "seconds": seconds,
         "m_per_px": house.ground.plan_image.frame.m_per_px,

@@ -34,7 +34,7 @@ def add(verbs: Verbs) -> None:
         help="floor plan: picture, PDF page, SVG, DXF, IFC or Sweet Home 3D",
     )  # fmt: skip
     add_output(read, "the vector plan, plan.json", suffixes=(".json",))
-    add_options(read, "m_per_px", "part", "dwelling", "rooms")
+    add_options(read, "m_per_px", "part", "dwelling", "rooms", "drawn")
     read.add_argument(
         "--overlay",
         type=output_file,
@@ -107,8 +107,9 @@ def _frame_told(frame: PixelFrame) -> dict[str, Any]:
 
 
 def reading_report(plan: Plan) -> dict[str, Any]:
-    """For --json: the verdict, doubts with their places, where the scale is from, and how sure the
-    reading is of rooms and openings."""
+    """For --json: the verdict, doubts with their places, where the scale is from, how sure the
+    reading is of rooms and openings, and which pieces are drawn."""
+    from chord_usd.line.pipeline.as_drawn import drawn_told, placed_pieces
     from chord_usd.line.plan.openings import CONFIDENCE
     from chord_usd.line.plan.scale_choice import SCALE
     from chord_usd.line.plan.verdict import VERDICT, doubts_placed
@@ -121,6 +122,7 @@ def reading_report(plan: Plan) -> dict[str, Any]:
         "doubts": doubts_placed(plan),
         "scale": plan.extra.get(SCALE),
         "confidence": sure,
+        "drawn": drawn_told(placed_pieces(plan)),
     }
 
 

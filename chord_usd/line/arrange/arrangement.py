@@ -90,8 +90,9 @@ class Arrangement:
         return FLUSH_PX * self.painted.frame.m_per_px if self.painted else 0.0
 
     def may_move(self, item: Item) -> bool:
-        """Whether a piece may move, or go; units of a composed kitchen stay."""
-        if item.facts.unit is not None:
+        """Whether a piece may move, or go; units of a composed kitchen stay, and what the plan
+        shows."""
+        if item.facts.unit is not None or item.facts.locked:
             return False
         return self.movable is None or item.id in self.movable
 

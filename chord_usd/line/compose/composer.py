@@ -29,6 +29,8 @@ LEAST_HEIGHT_M = 0.8
 _NOTHING = (0, 0.0)
 _MOST_APART = 24.0
 """Cost of a kitchen beside the cheapest: no more than a number or two."""
+_MOST_APART_DRAWN = 3.0
+"""Where the plan shows its units: a quarter of a metre away from them."""
 _EACH = 8
 """Shapes looked at for each kitchen that is judged by all rules."""
 
@@ -43,13 +45,15 @@ def compose(
     without: Collection[str] = frozenset(),
     effort: int = EFFORT,
     compact: bool = True,
+    is_drawn: bool = False,
 ) -> list[Unit]:
     """Units for a room of a house, [] where no run fits in.
 
     hints: where lists, a picture or a drawing have units: walls and extents are taken from them
     where numbers allow. stays: pieces that units stand beside; other pieces may move, and are paid
     for. without: categories that are not wanted. effort: shapes that are looked at.
-    compact: whether a sink narrower than usual will do where nothing else fits.
+    compact: whether a sink narrower than usual will do where nothing else fits. is_drawn: whether
+    hints are what the plan shows, which weighs more than planning numbers.
     """
     held = {item.id for item in stays}
     moves = [item for item in house.items_of(room.id)
@@ -57,14 +61,15 @@ def compose(
     site = site_of(house, room, stays, moves)
     wanted = Wanted(
         "refrigerator" not in without, "electrical_floor_cabinet" not in without, tuple(hints),
-        worktop_height(site), effort,
+        worktop_height(site), effort, is_drawn=is_drawn,
     )  # fmt: skip
     rng = np.random.default_rng(seed)
     stood_on = shapely.union_all([footprint_polygon(item.box) for item in stays])
     floor = room_polygon(room).difference(stood_on)
     options = cheapest(site, wanted, rng, DEPTHS_M, compact=compact)[: 1 + effort // _EACH]
     # All rules weigh nearly the same there: a cooker at the end of its run is worse than that.
-    options = [one for one in options if one.cost < options[0].cost + _MOST_APART]
+    most = _MOST_APART_DRAWN if is_drawn else _MOST_APART
+    options = [one for one in options if one.cost < options[0].cost + most]
     best: tuple[tuple[int, float], list[Unit]] | None = None
     for found in options:
         units = units_of(found, wanted, rng)

@@ -35,12 +35,13 @@ def composed_kitchens(
     seed: int,
     excluded: Mapping[str, Collection[str]],
     kept: Mapping[str, Sequence[Item]],
+    shown: Sequence[Item] = (),
 ) -> Kitchens:
     """Units for the kitchens among these rooms.
 
     The house holds what lists or a picture have placed: walls and extents are taken from that.
     excluded: categories by room id. kept: pieces that stay, by room id; a kitchen with kept units,
-    or without sink or cooker by wish, is left as it is.
+    or without sink or cooker by wish, is left as it is. shown: units that the plan shows.
     """
     numbers = {room.id: number for number, room in enumerate(house.rooms)}
     found = {}
@@ -54,10 +55,11 @@ def composed_kitchens(
             continue
         if room.kind != "kitchen":
             stay += [item for item in own if item.category not in KITCHEN_UNITS]
+        drawn = [item for item in shown if item.room_id == room.id]
         units = compose(
             house, room, seed + 7919 * numbers[room.id], stays=stay,
-            hints=[(item.category, *item.box.center_m[:2]) for item in placed],
-            without=frozenset(shut_out),
+            hints=[(item.category, *item.box.center_m[:2]) for item in drawn or placed],
+            without=frozenset(shut_out), is_drawn=bool(drawn),
         )  # fmt: skip
         if units:
             found[room.id] = tuple(_items(room.id, units))

@@ -37,8 +37,11 @@ _WIDE_SINK_FROM_M = 3.4
 _WIDE_SINKS = 0.6
 """Share of such kitchens."""
 _AT_WINDOW_M = 0.2
-_HINTED = 2.0
-"""Price of a metre between units that somebody has placed and the runs, on average."""
+_HINTED, _GUESSED = 2.0, 0.2
+"""Price of a metre between units that somebody has placed and the runs, on average; between sink or
+cooker and its place there."""
+_DRAWN = 20.0, 12.0
+"""The same where a plan shows them."""
 _PULL_OUT = 0.3
 """Price of a unit that is narrower than others, for what it holds."""
 _WALL_CELLS = 3
@@ -62,6 +65,13 @@ class Wanted:
     effort: int = EFFORT
     compact: bool = False
     """Whether a narrow sink will do, and a run that holds sink and cooker alone."""
+    is_drawn: bool = False
+    """Whether hints are what the plan shows, and no guess."""
+
+    @property
+    def metre_cost(self) -> tuple[float, float]:
+        """Of a metre between hints and the runs, on average; between a unit and its hint."""
+        return _DRAWN if self.is_drawn else (_HINTED, _GUESSED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +149,7 @@ def _shape_cost(site: Site, shape: Shape, wanted: Wanted) -> float:
     if wanted.hints:
         walls = shapely.union_all(runs)
         away = [min(walls.distance(shapely.Point(x, y)), 1.5) for _, x, y in wanted.hints]
-        cost += _HINTED * sum(away) / len(away)
+        cost += wanted.metre_cost[0] * sum(away) / len(away)
     return cost
 
 
@@ -211,7 +221,9 @@ def _rows(
         name = "sink_cabinet" if is_sink else "cooker_cabinet"
         for category, x, y in wanted.hints:
             if category == name:
-                cost = cost + 0.2 * np.minimum(np.hypot(*(front - (x, y)).T), 3.0)
+                inward = run.depth / 2 * run.wall.inward if wanted.is_drawn else 0.0
+                away = np.hypot(*(front - inward - (x, y)).T)
+                cost = cost + wanted.metre_cost[1] * np.minimum(away, 3.0)
         rows.append(_Row(index, first, cells, *gaps, front, clear, cost))
     return rows
 

@@ -143,7 +143,7 @@ def _matched(item: Item, database: Database, desks: BaseGeometry) -> Item:
     )  # fmt: skip
     missed_m = float(np.hypot(*np.subtract(asset.size_m[:2], item.box.size_m[:2])))
     # Seen from above nothing tells a height.
-    is_guess = bool(facts.source_px) and facts.unit is None
+    is_guess = (bool(facts.source_px) or facts.locked) and facts.unit is None
     box = fitted_box(item.box, asset, category(item.category), is_guess=is_guess)
     raised_m = box.size_m[2] - item.box.size_m[2]
     children = tuple(_matched(_raised(child, raised_m), database, desks) for child in item.children)

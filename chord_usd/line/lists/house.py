@@ -118,7 +118,7 @@ class _Table:
         """With what the home needs in a room, unless somebody says what it shall hold."""
         room, around = self.jobs[at]
         asked = self.wishes[at]
-        if asked.wanted or asked.kept:
+        if asked.wanted or any(not item.facts.locked for item in asked.kept):
             return self._subject(at)
         needed = (Piece(name) for name in self.programme.get(room.id, ())
                   if name not in asked.excluded)  # fmt: skip

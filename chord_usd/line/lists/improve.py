@@ -36,7 +36,7 @@ def improved(
     price = quick_price(view, most) + home(view)
     for propose in changes:
         better = []
-        options = free_of_clashes(view, list(propose(view)))
+        options = free_of_clashes(view, _keeping(view, propose(view)))
         for nth, items in enumerate(options[:: 1 + len(options) // _WEIGHED]):
             tried = View(view.shell, items, view.hung)
             faults = tight(tried)
@@ -49,6 +49,12 @@ def improved(
                 view, price, most = tried, cost, faults
                 break
     return view
+
+
+def _keeping(view: View, changes: Iterable[Change]) -> list[Change]:
+    """Those of some changes that leave what the plan shows as it is."""
+    locked = {id(item) for item in view.items if item.facts.locked}
+    return [items for items in changes if locked <= {id(item) for item in items}]
 
 
 def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:

@@ -92,7 +92,7 @@ def moved(view: View) -> Iterator[Change]:
     if any(finding.rule in WARDROBE_RULES for finding in findings):
         named |= {item.id for item in view.items if item.category == "bed"}
     for at, item in enumerate(view.items):
-        if item.facts.unit is not None:
+        if item.facts.unit is not None or item.facts.locked:
             continue
         if item.category == "bed" and item.id in named:
             yield from _bed(view, at)

@@ -13,6 +13,7 @@ from chord_usd.base.scene.types import (
     Room,
     SceneGraph,
 )
+from chord_usd.line.pipeline.as_drawn import with_locked
 
 if TYPE_CHECKING:
     from chord_usd.line.compose.kitchens import Kitchens
@@ -47,6 +48,14 @@ class Draw:
     """Ids of rooms in which nothing stands: those of stairs."""
     composes: bool = False
     """Whether kitchens are composed before they are painted, and put back as composed."""
+    locked: tuple[Item, ...] = ()
+    """Pieces that the plan shows, as they stand in their rooms: they stay there."""
+    shown: tuple[Item, ...] = ()
+    """Kitchen units that the plan shows: kitchens are composed around them."""
+
+    def holding(self, house: SceneGraph, *, aside: bool = True) -> SceneGraph:
+        """The house with what is locked (as_drawn.with_locked)."""
+        return with_locked(house, self.locked, aside=aside) if self.locked else house
 
     def listed(
         self, graph: SceneGraph, rooms: Sequence[Room], kept_ids: Collection[str] = ()
@@ -60,6 +69,10 @@ class Draw:
         from chord_usd.line.lists.house import Drafts, furnish_by_lists
         from chord_usd.line.lists.wishes import Asked
 
+        graph = self.holding(graph, aside=False)
+        decided = {one.room_id for one in graph.items if one.id in kept_ids}
+        decided |= {room_id for room_id, own in self.asked.items() if own.is_asked}
+        kept_ids = {*kept_ids, *(item.id for item in self.locked)}
         asked = {
             room.id: replace(
                 self.asked.get(room.id, Asked()),
@@ -71,6 +84,7 @@ class Draw:
         drafts = Drafts(self.seed, DRAFTS)
         ids = list(asked)
         listed = furnish_by_lists(graph.plan, self.lists, drafts, asked, ids, graph.items)
+        listed = self.holding(listed)
         kitchens = self._kitchens(listed, rooms, asked)
         if not self.composes:
             return listed
@@ -79,7 +93,6 @@ class Draw:
 
         gone = {item.id for own in displaced(listed, kitchens).values() for item in own}
         drawn = with_kitchens(listed.without(gone), kitchens)
-        decided = {room_id for room_id, own in asked.items() if own.is_asked}
 
         def finish(house: SceneGraph) -> SceneGraph:
             new = {item.id for item in house.items if item.room_id in asked.keys() - decided}
@@ -98,7 +111,7 @@ class Draw:
         found = composed_kitchens(
             house, [room for room in rooms if room.id not in self.shut], self.seed,
             {room_id: own.excluded for room_id, own in asked.items()},
-            {room_id: own.kept for room_id, own in asked.items()},
+            {room_id: own.kept for room_id, own in asked.items()}, self.shown,
         )  # fmt: skip
         made = with_kitchens(house, found)
 
@@ -124,7 +137,7 @@ class Draw:
         listed: what was painted; without, kitchens are composed from what was read. rooms: those
         that were drawn, by default all. kept: pieces that stand in them and are not in the graph.
         """
-        graph = self._without_excluded(graph)
+        graph = self.holding(self._without_excluded(graph))
         if not self.composes:
             return graph
         from chord_usd.line.compose.kitchens import composed_of, put_back

@@ -11,6 +11,7 @@ from chord_usd.base.errors import CheckpointError, ChordError, PlanError
 from chord_usd.base.runtime.files import hash_file
 from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.runtime.progress import Progress
+from chord_usd.base.scene.drawn_pieces import DRAWN
 from chord_usd.base.scene.dwellings import NO_HOME, only_dwelling
 from chord_usd.base.scene.roof_forms import NO_ROOF
 from chord_usd.base.scene.settings import Settings
@@ -46,6 +47,8 @@ def read_plan(plan_file: Path, settings: Settings) -> Plan:
         from chord_usd.line.plan.corrections import read_rooms, with_rooms
 
         plan = with_rooms(plan, read_rooms(settings.rooms))
+    if not settings.drawn:
+        plan = replace(plan, extra={k: v for k, v in plan.extra.items() if k != DRAWN})
     return only_dwelling(plan, settings.dwelling) if settings.dwelling else plan
 
 

@@ -17,6 +17,7 @@ from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.json_text import parse_json
 from chord_usd.base.runtime.progress import Progress, Stopwatch
+from chord_usd.base.scene.drawn_pieces import Placed
 from chord_usd.base.scene.dwellings import is_common
 from chord_usd.base.scene.estimates import Estimate, of_furnishing, of_stage
 from chord_usd.base.scene.json_stairs import StoreyPlan, is_storeys, storeys_from_json
@@ -27,6 +28,7 @@ from chord_usd.base.scene.storeys import Building, Storey, one_storey, storey_ti
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph, StageFile
 from chord_usd.line.pipeline import steps
+from chord_usd.line.pipeline.as_drawn import parted, placed_pieces
 from chord_usd.line.pipeline.as_listed import as_listed
 from chord_usd.line.pipeline.loading import Models, load_models, with_networks
 from chord_usd.line.pipeline.redraw import Draw, arrange_drawn
@@ -59,6 +61,8 @@ class FurnishedStorey:
     first_graph: SceneGraph
     first_layout: LayoutImage
     """Before rooms with faults are sampled again."""
+    drawn: Sequence[Placed] = ()
+    """The pieces that the plan's drawing shows."""
     listed: SceneGraph | None = None
     """The pieces of lists; None without lists."""
     mended: Mended | None = None
@@ -198,7 +202,8 @@ def redraw(made: FurnishedStorey, progress: Progress) -> None:
         made.graph, made.layout = as_listed(
             made.graph, made.listed, made.layout, made.plan_image, draw, leave_out
         )
-    sampler = Resampler(made.plan_image, models.layout, models.reader.read, draw)
+    locked = frozenset(item.id for item in draw.locked)
+    sampler = Resampler(made.plan_image, models.layout, models.reader.read, draw, locked)
     made.mended = mend_rooms(
         made.graph,
         made.layout,
@@ -310,10 +315,14 @@ def _begun(
     ids = {room.id for room in storey.plan.rooms}
     wishes = {room_id: wish for room_id, wish in asked.items() if room_id in ids}
     bare = frozenset(room.id for room in storey.plan.rooms if is_cell(room) or is_common(room))
-    draw = replace(steps.sampling(local, models.lists, wishes), shut=bare)
+    placed = placed_pieces(storey.plan) if settings.drawn and settings.arrange else []
+    locked, shown = parted(placed)
+    draw = replace(
+        steps.sampling(local, models.lists, wishes), shut=bare, locked=locked, shown=shown
+    )
     graph, empty = storey.plan.scene(), layout_image(image, ())
     return FurnishedStorey(
-        storey, file, image, local, models, draw, style, graph, empty, graph, empty
+        storey, file, image, local, models, draw, style, graph, empty, graph, empty, placed
     )
 
 

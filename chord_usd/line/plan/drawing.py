@@ -15,10 +15,11 @@ from typing import Any
 
 import numpy as np
 import shapely
-from shapely.geometry import Polygon
+from shapely.geometry import Point, Polygon
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.locations import checkpoint_folder
+from chord_usd.base.scene.drawn_pieces import DRAWN, to_entry
 from chord_usd.base.scene.dwellings import DWELLING, NO_HOME, dwelling_of
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.room_areas import scale_by_home, scale_by_rooms
@@ -30,6 +31,7 @@ from chord_usd.base.scene.types import (
     BoolArray,
     ByteArray,
     FloatArray,
+    Item,
     PixelFrame,
     Plan,
     Room,
@@ -40,7 +42,7 @@ from chord_usd.base.scene.units import cm_from_m, m_from_px
 from chord_usd.line.plan.doubts import doubts, is_all_guessed, named_rooms, refuse_nonsense
 from chord_usd.line.plan.floor_parts import part_floors
 from chord_usd.line.plan.home_graph import dwellings_of, work_names
-from chord_usd.line.plan.home_uses import Floor, Uses, uses_of_home
+from chord_usd.line.plan.home_uses import Floor, Uses, speaking, uses_of_home
 from chord_usd.line.plan.labels import named_by_texts, numbered, seen_as, texts_in, uses_named
 from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.parts import parts_of
@@ -50,6 +52,7 @@ from chord_usd.line.plan.regions import Outline, is_stairwell, stair_outlines
 from chord_usd.line.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.line.plan.seen import Reader, SeenReading, read_seen
 from chord_usd.line.plan.seen_kinds import SeenKinds, seen_kinds
+from chord_usd.line.plan.seen_pieces import FOLLOWING, PIECES_CHECKPOINT, as_items, load_finder
 from chord_usd.line.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
 from chord_usd.line.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.line.plan.storey_titles import titled
@@ -216,7 +219,8 @@ def _read_part(page: _Page) -> _Found:
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
     refuse_nonsense([o.polygon_px for o in reading.outlines], reading.regions, frame)
     seen = seen_kinds(page.segments.kinds, frame)
-    plan, parted = _plan(reading, page, frame, seen)
+    pieces = _pieces(reading, page, frame)
+    plan, parted = _plan(reading, page, frame, _Seen(seen, pieces))
     if is_all_guessed(plan):
         raise _no_room()
     sheet = page.sheet
@@ -227,6 +231,7 @@ def _read_part(page: _Page) -> _Found:
     stairs = _stairs(plan, page, frame)
     extra: dict[str, Any] = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
     extra |= {DRAWN_STAIRS: stairs} if stairs else {}
+    extra |= {DRAWN: to_entry(pieces)} if pieces else {}
     plan = replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
     corners = np.concatenate([outline.polygon_px for outline in reading.outlines])
     bounds = np.array([corners.min(axis=0), corners.max(axis=0)])
@@ -306,7 +311,7 @@ def _beside(texts: Sequence[Text], polygons_px: Sequence[FloatArray]) -> list[Te
 
 
 def _plan(
-    reading: SeenReading, page: _Page, frame: PixelFrame, seen: SeenKinds
+    reading: SeenReading, page: _Page, frame: PixelFrame, seen: _Seen
 ) -> tuple[Plan, list[str]]:
     """Rooms with what they are for, and the openings in their walls; what to say of their parts."""
     named = _named_rooms(reading, page, frame)
@@ -325,7 +330,7 @@ def _plan(
         if page.known.is_open:
             return plan, []
         spots = {room.id: uses_named(room, page.texts, frame) for room in rooms}
-        parted, told, failed = part_floors(plan, uses, spots, seen)
+        parted, told, failed = part_floors(plan, uses, spots, seen.kinds)
         if failed <= banned:
             return parted, [*_said_of(parted, work), *told]
         banned |= failed
@@ -371,6 +376,28 @@ def _said_of(plan: Plan, work: Sequence[str]) -> list[str]:
     return [*told, f"{NO_HOME}: rooms are named {listed}"] if work else told
 
 
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """What a drawing of known scale shows on its floors."""
+
+    kinds: SeenKinds
+    pieces: Sequence[Item]
+
+
+def _pieces(reading: SeenReading, page: _Page, frame: PixelFrame) -> list[Item]:
+    """Furniture and fixtures that are drawn in the reading's rooms, the surest first."""
+    per_px = page.sheet.fine_per_px
+    fine = replace(frame, m_per_px=frame.m_per_px / per_px, height_px=page.sheet.fine.shape[0])
+    finder = load_finder(checkpoint_folder(PIECES_CHECKPOINT))
+    seen = finder.find(on_white(page.sheet.fine), fine.m_per_px)
+    rooms = [Polygon(m_from_px(o.polygon_px, frame)) for o in reading.outlines]
+    house = shapely.union_all([room.buffer(0) for room in rooms])
+    return [
+        one for one in as_items(seen, fine)
+        if one.category not in FOLLOWING and house.covers(Point(one.box.center_m[:2]))
+    ]  # fmt: skip
+
+
 def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]]]:
     """The stairs seen in the plan's rooms: corners, centimetres."""
     house = shapely.union_all([room_polygon(room) for room in plan.rooms])
@@ -401,7 +428,7 @@ def _floors(
     page: _Page,
     rooms: Sequence[Room],
     frame: PixelFrame,
-    seen: SeenKinds | None = None,
+    seen: _Seen | None = None,
 ) -> list[Floor]:
     """What is known of the floor of each room. seen: of the drawing, where its scale is known."""
     has_windows = any(opening.kind == "window" for opening in reading.openings)
@@ -413,7 +440,8 @@ def _floors(
         floors.append(
             Floor(
                 outline.kinds, room.kind, frozenset(use.kind for use in named),
-                polygon.area if seen else None, seen.areas_m2(polygon) if seen else {},
+                polygon.area if seen else None, seen.kinds.areas_m2(polygon) if seen else {},
+                speaking(seen.pieces if seen else (), polygon),
                 sum(o.kind != "window" and len(o.rooms) == 2 for o in own),
                 not has_windows or any(o.kind == "window" for o in own), outline.stairs,
             )

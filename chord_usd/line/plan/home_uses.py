@@ -10,12 +10,14 @@ after the other, with the best way to each count (dynamic programming).
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+
+from shapely.geometry import Point, Polygon
 
 from chord_usd.base.raster.page_labels import KIND_NAMES
 from chord_usd.base.scene.room_areas import plausibility
-from chord_usd.base.scene.types import WET_KINDS, FloatArray, RoomKind, learned_kind
+from chord_usd.base.scene.types import WET_KINDS, FloatArray, Item, RoomKind, learned_kind
 from chord_usd.line.plan.open_plans import can_share
 
 _SURE = 0.5
@@ -39,6 +41,15 @@ _DRAWN_M2, _DRAWN_NATS = 2.0, 0.5
 """From so many square metres on a kitchen is drawn; nats a square metre of one not built there."""
 _MOST_DRAWN_NATS = 3.0
 
+_SPEAKS: dict[str, tuple[RoomKind, float]] = {
+    "bathtub": ("bathroom", 3.0), "shower": ("bathroom", 2.0), "toilet": ("bathroom", 3.0),
+    "washbasin": ("bathroom", 1.0), "cooker_cabinet": ("kitchen", 3.0),
+    "sink_cabinet": ("kitchen", 1.0), "bed": ("bedroom", 3.0), "sofa": ("living", 2.0),
+}  # fmt: skip
+"""What a drawn piece speaks for, and nats of one that is surely there."""
+_MOST_SPOKEN, _SPOKEN = 4.0, 1.5
+"""Nats of all pieces of a kind; from so many on a kitchen is drawn."""
+
 _ON_STAIRS, _STAIRS = 3.0, 0.2
 """Nats of a use on floor of which stairs take up this share, but for corridors."""
 _MANY_WAYS, _HALL_NATS = 3, 0.7
@@ -61,6 +72,8 @@ class Floor:
     """None while the scale is not known."""
     drawn_m2: Mapping[RoomKind, float] = field(default_factory=dict)
     """How much of it looks like each kind."""
+    drawn: Mapping[RoomKind, float] = field(default_factory=dict)
+    """Nats by the furniture and fixtures that are drawn there."""
     ways: int = 0
     """Doors and passages into other rooms."""
     has_window: bool = True
@@ -155,14 +168,29 @@ def _options(
             nats = math.log(max(chance, _LEAST_CHANCE)) - against
         further = (floor.named - {kind}) if can_share(kind) else frozenset()
         plain = Uses(kind, frozenset(further), round(chance if kind != "unknown" else 0.0, 2))
-        yield nats - _unexplained(floor, plain), plain
+        yield nats - _unexplained(floor, plain) + _drawn(floor, plain), plain
         for use in ("kitchen", "bedroom"):
             if (kind, use) not in _HOSTS or use in plain.all or use in banned or not is_home:
                 continue
             cost = _hosting(floor, kind, use)
             if cost is not None:
                 shared = Uses(kind, plain.further | {use}, plain.chance)
-                yield nats - cost, shared
+                yield nats - cost + _drawn(floor, shared), shared
+
+
+def speaking(pieces: Iterable[Item], floor: Polygon) -> dict[RoomKind, float]:
+    """Nats for kinds of a floor by the pieces that are drawn on it."""
+    found: dict[RoomKind, float] = {}
+    for piece in pieces:
+        kind, nats = _SPEAKS.get(piece.category, ("unknown", 0.0))
+        if nats and floor.covers(Point(piece.box.center_m[:2])):
+            found[kind] = min(found.get(kind, 0.0) + nats * piece.score, _MOST_SPOKEN)
+    return found
+
+
+def _drawn(floor: Floor, uses: Uses) -> float:
+    kinds = {learned_kind(kind) for kind in uses.all}
+    return sum(nats for kind, nats in floor.drawn.items() if kind in kinds)
 
 
 def _chance(floor: Floor, kind: RoomKind) -> float:
@@ -188,7 +216,7 @@ def _hosting(floor: Floor, kind: RoomKind, use: RoomKind) -> float | None:
     if floor.area_m2 is None or floor.area_m2 < _HOST_M2:
         return None
     drawn = floor.drawn_m2.get(use, 0.0)
-    if use == "kitchen" and drawn > _DRAWN_M2:
+    if use == "kitchen" and (drawn > _DRAWN_M2 or floor.drawn.get(use, 0.0) > _SPOKEN):
         return 0.0
     return _HOSTS[kind, use]
 

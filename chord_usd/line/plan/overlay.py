@@ -20,6 +20,7 @@ from chord_usd.base.errors import PlanError
 from chord_usd.base.raster.lettering import text_size, write_text
 from chord_usd.base.runtime.files import write_atomic
 from chord_usd.base.scene import palette
+from chord_usd.base.scene.drawn_pieces import drawn_items
 from chord_usd.base.scene.geometry import footprint, room_polygon
 from chord_usd.base.scene.palette import Rgb
 from chord_usd.base.scene.types import ByteArray, FloatArray, Opening, PixelFrame, Plan, Room
@@ -59,6 +60,12 @@ def overlay(plan: Plan, rgb: ByteArray) -> ByteArray:
         )
     canvas = (255 - (255 - rgb.astype(np.float32)) * (1.0 - _FADE)).astype(np.uint8)
     line_px = max(1, round(max(rgb.shape) / 600))
+    for item in drawn_items(plan.extra):
+        color = _darker(palette.category(item.category).rgb)
+        corners = px_from_m(footprint(item.box), frame)
+        front = (corners[1] + corners[2]) / 2
+        _outline(canvas, corners, color, line_px)
+        _outline(canvas, np.array([corners.mean(axis=0), front]), color, line_px)
     doubted = _doubted(plan)
     for room in plan.rooms:
         color = _DOUBT_RGB if room.id in doubted else _ROOM_RGB
@@ -178,6 +185,11 @@ def _lettered(canvas: ByteArray, plan: Plan, frame: PixelFrame, doubted: set[str
         x, y = px_from_m(np.array([opening.box.center_m[:2]]), frame)[0].tolist()
         small = max(round(0.75 * size_px), _LETTER_PX[0])
         write_text(draw, (x, y), _short(opening), small, color, "mm", _PAPER)
+    for item in drawn_items(plan.extra):
+        row = palette.category(item.category)
+        x, y = px_from_m(np.array([item.box.center_m[:2]]), frame)[0].tolist()
+        small = max(round(0.6 * size_px), _LETTER_PX[0])
+        write_text(draw, (x, y), row.label.lower(), small, _darker(row.rgb), "mm", _PAPER)
     for number, room in enumerate(plan.rooms, 1):
         color = _DOUBT_RGB if room.id in doubted or room.kind == "unknown" else _ROOM_RGB
         inside = room_polygon(room).representative_point()

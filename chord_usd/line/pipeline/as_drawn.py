@@ -1,0 +1,115 @@
+"""What a plan shows of furniture and fixtures, on its way into the house."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from chord_usd.base.scene.drawn_pieces import KITCHEN, Placed, place
+from chord_usd.base.scene.dwellings import is_common
+from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.stair_cells import is_cell
+from chord_usd.base.scene.types import Item, Plan, SceneGraph
+
+_DOUBLE = 0.3
+"""Two pieces of a category that share so much of the smaller one are one."""
+BUILT_M = 0.25
+"""A piece is built where it is drawn if one of its category stands so near."""
+
+
+def placed_pieces(plan: Plan) -> list[Placed]:
+    """The pieces that a plan's drawing shows, each as it stands in its room, or why it does not."""
+    from chord_usd.base.metrics.clear_floor import clearances, is_high_enough
+    from chord_usd.base.metrics.rooms import is_studio, stands_in
+
+    clear = list(clearances(plan.rooms, plan.openings))
+    in_studio = is_studio([room.kind for room in plan.rooms])
+
+    def refused(item: Item, room_id: str) -> str:
+        room = plan.room(room_id)
+        if is_cell(room) or is_common(room):
+            return "in a part that stays empty"
+        if item.category in KITCHEN and room.kind == "kitchen":
+            return ""
+        return "" if stands_in(item.category, room.kind, in_studio) else f"in a {room.kind}"
+
+    return place(plan, [(area, opening) for opening, area in clear], refused, is_high_enough)
+
+
+def parted(placed: Iterable[Placed]) -> tuple[tuple[Item, ...], tuple[Item, ...]]:
+    """What stays where it is drawn, and the units that kitchens are composed around."""
+    items = [one.item for one in placed if one.item is not None]
+    return (
+        tuple(item for item in items if item.category not in KITCHEN),
+        tuple(item for item in items if item.category in KITCHEN),
+    )
+
+
+def with_locked(house: SceneGraph, locked: Iterable[Item], *, aside: bool) -> SceneGraph:
+    """The house with locked pieces of its rooms, in place of what stands for them.
+
+    aside: whether other pieces of these rooms are moved out of them, or else left out.
+    """
+    rooms = {room.id for room in house.rooms}
+    locked = [item for item in locked if item.room_id in rooms]
+    rest = _without_doubles(house.items, locked)
+    full = replace(house, items=(*locked, *rest))
+    if not aside or not locked:
+        return full
+    from chord_usd.line.arrange.arrangement import Arrangement
+    from chord_usd.line.arrange.rules import arrange
+
+    crowded = {item.room_id for item in locked}
+    loose = {item.id for item in rest if item.room_id in crowded}
+    return arrange(Arrangement.of(full, movable=loose), "given")
+
+
+def _without_doubles(items: Iterable[Item], locked: Sequence[Item]) -> list[Item]:
+    """Items but those that stand for a locked piece: of its category, and mostly where it is."""
+    ids = {item.id for item in locked}
+    shapes = [(item.category, footprint_polygon(item.box)) for item in locked]
+
+    def is_double(item: Item) -> bool:
+        own = footprint_polygon(item.box)
+        return any(
+            item.category == name
+            and own.intersection(shape).area > _DOUBLE * min(own.area, shape.area)
+            for name, shape in shapes
+        )
+
+    return [item for item in items if item.id not in ids and not is_double(item)]
+
+
+def drawn_told(placed: Sequence[Placed], graph: SceneGraph | None = None) -> list[dict[str, Any]]:
+    """For reports, each piece that is drawn: its category and box, whether it is built there, and
+    else the reason. graph: the house; without it, whether it can be built there."""
+    return [_told(one, graph) for one in placed]
+
+
+def _told(one: Placed, graph: SceneGraph | None) -> dict[str, Any]:
+    box = one.drawn.box
+    is_built = one.item is not None
+    if graph is not None:
+        away = [
+            math.dist(item.box.center_m[:2], box.center_m[:2])
+            for item in graph.items
+            if item.category == one.drawn.category
+        ]
+        is_built = is_built and min(away, default=math.inf) <= _reach_m(one)
+    reason = one.reason or ("" if is_built else "elsewhere")
+    return {
+        "category": one.drawn.category,
+        "box": [round(v, 3) for v in (*box.center_m[:2], *box.size_m[:2], box.yaw_deg)],
+        "confidence": round(one.drawn.score, 2),
+        "kept": is_built,
+        **({"reason": reason} if reason else {}),
+    }
+
+
+def _reach_m(one: Placed) -> float:
+    """How far the piece may stand from where it is drawn: a mesh may be smaller than drawn."""
+    if one.item is None:
+        return 0.0
+    return BUILT_M + math.dist(one.item.box.center_m[:2], one.drawn.box.center_m[:2])

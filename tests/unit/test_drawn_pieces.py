@@ -1,0 +1,102 @@
+"""Pieces that a drawing shows: kept in the plan, and placed in its rooms."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from chord_usd.base.scene.chord_json import plan_from_json, plan_to_json
+from chord_usd.base.scene.drawn_pieces import DRAWN, drawn_items, to_entry
+from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.base.scene.pose import Pose, posed
+from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, frozen_array
+from chord_usd.line.pipeline.as_drawn import placed_pieces
+
+SQUARE = frozen_array(np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]))
+DOOR = Opening("door1", "door", Box((3.4, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("room1",))
+
+
+def plan(kind: str, *items: Item) -> Plan:
+    room = Room("room1", kind, SQUARE)  # type: ignore[arg-type]
+    return Plan((room,), (DOOR,), {DRAWN: to_entry(items)})
+
+
+def piece(
+    name: str, x: float, y: float, size: tuple[float, float], yaw: float, score: float = 0.9
+) -> Item:
+    return Item("", name, Box((x, y, 0.0), (*size, 0.5), yaw), score=score)
+
+
+def test_a_piece_stands_square_with_its_back_on_the_wall() -> None:
+    """Drawn 12 cm off the wall and 5 degrees askew, as a network sees it."""
+    (one,) = placed_pieces(plan("bathroom", piece("bathtub", 2.0, 2.5, (1.7, 0.75), 5.0)))
+    assert one.item is not None
+    assert one.item.facts.locked
+    assert one.item.box.yaw_deg == pytest.approx(0.0)
+    assert one.item.box.center_m[1] + one.item.box.size_m[1] / 2 == pytest.approx(3.0)
+
+
+def test_a_back_is_put_on_the_wall_that_it_faces() -> None:
+    """Not on the wall before its front, which may be nearer."""
+    for yaw, axis, wall in ((0.0, 1, 3.0), (90.0, 0, 0.0), (180.0, 1, 0.0), (-90.0, 0, 4.0)):
+        turn = np.radians(yaw)
+        back = np.array([-np.sin(turn), np.cos(turn)])
+        middle = np.array([2.0, 1.5]) + back * ((2.0, 1.5)[axis] - 0.65 / 2 - 0.1)
+        (one,) = placed_pieces(plan("bathroom", piece("toilet", *middle, (0.4, 0.65), yaw)))
+        assert one.item is not None
+        far = np.array(one.item.box.center_m[:2]) + back * one.item.box.size_m[1] / 2
+        assert far[axis] == pytest.approx(wall)
+
+
+def test_sizes_are_those_of_the_category() -> None:
+    (one,) = placed_pieces(plan("bathroom", piece("toilet", 2.0, 2.7, (0.2, 1.1), 0.0)))
+    assert one.item is not None
+    assert one.item.box.size_m[0] == pytest.approx(0.36)
+    assert one.item.box.size_m[1] == pytest.approx(0.78)
+
+
+@pytest.mark.parametrize(
+    ("kind", "drawn", "reason"),
+    [
+        ("bathroom", piece("toilet", 9.0, 1.0, (0.4, 0.65), 0.0), "in no room"),
+        ("bedroom", piece("bathtub", 2.0, 2.6, (1.7, 0.75), 0.0), "in a bedroom"),
+        ("bathroom", piece("bathtub", 3.2, 0.4, (1.7, 0.75), 180.0), "before an opening"),
+    ],
+)
+def test_what_cannot_stand_is_left_out_with_the_reason(kind: str, drawn: Item, reason: str) -> None:
+    (one,) = placed_pieces(plan(kind, drawn))
+    assert one.item is None
+    assert one.reason == reason
+
+
+def test_of_two_in_one_place_the_surer_one_stays_and_the_other_moves_or_goes() -> None:
+    near = piece("toilet", 1.0, 2.65, (0.4, 0.65), 0.0, 0.5)
+    tub = piece("bathtub", 1.95, 2.6, (1.7, 0.75), 0.0, 0.9)
+    same = piece("shower", 1.95, 2.6, (0.9, 0.9), 0.0, 0.4)
+    first, second, third = placed_pieces(plan("bathroom", near, same, tub))
+    assert first.item is not None
+    assert first.item.category == "bathtub"
+    assert second.item is not None
+    shapes = [footprint_polygon(one.item.box) for one in (first, second) if one.item]
+    assert shapes[0].intersection(shapes[1]).area < 1e-3
+    assert room_polygon(Room("", "bathroom", SQUARE)).buffer(1e-6).covers(shapes[1])
+    assert third.item is None
+    assert third.reason == "in another piece"
+
+
+def test_a_plan_keeps_them_in_its_file_and_when_it_is_moved() -> None:
+    before = plan("bathroom", piece("toilet", 2.0, 2.6, (0.4, 0.65), 30.0))
+    again = plan_from_json(plan_to_json(before))
+    assert again.extra[DRAWN] == before.extra[DRAWN]
+    (moved,) = drawn_items(posed(before, Pose(yaw_deg=90.0, offset_m=(1.0, 0.0))).extra)
+    assert moved.box.center_m[:2] == pytest.approx((-1.6, 2.0))
+    assert moved.box.yaw_deg == pytest.approx(120.0)
+
+
+def test_what_is_no_piece_is_passed_over() -> None:
+    good = to_entry([piece("bed", 1.0, 1.0, (1.6, 2.0), 0.0)])
+    broken = [{}, {**good[0], "type": "throne"}, {**good[0], "length": -5}, {**good[0], "pos": "x"}]
+    found = drawn_items(replace(plan("bedroom"), extra={DRAWN: [*broken, *good]}).extra)
+    assert [item.category for item in found] == ["bed"]
