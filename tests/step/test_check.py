@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
+from pxr import Usd
 
 from chord_usd.base.errors import StageError
 from chord_usd.base.metrics import score_scene
@@ -15,6 +17,7 @@ from chord_usd.base.scene.chord_json import write_scene
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import Box, Facts, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.cli import DONE, NOT_HELD, main
+from chord_usd.line.image.preview_marks import FAULT
 from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check import check_contact
 from chord_usd.line.stage.check.check_contact import Body, Solid, collisions, unsupported
@@ -197,6 +200,30 @@ def test_the_scene_read_back_is_the_scene_that_was_authored(tmp_path):
     assert [child.category for child in ours["table"].children] == ["laptop"]
     assert sorted(o.kind for o in found.openings) == ["door", "door", "window"]
     assert score_scene(found).overlap.pairs == score_scene(graph).overlap.pairs
+
+
+def test_openings_read_back_join_the_rooms_that_they_joined(tmp_path):
+    """Rules ask which rooms a door joins, of stages too."""
+    path = tmp_path / "house.usda"
+    author_stage(house(*SOUND), path)
+    read = read_scene(Usd.Stage.Open(str(path))).graph
+    rooms = {room.id: room.kind for room in read.rooms}
+    joined = sorted(sorted(rooms[room_id] for room_id in one.room_ids) for one in read.openings)
+    assert joined == [["bedroom"], ["bedroom", "corridor"], ["corridor"]]
+
+
+def test_findings_are_drawn_where_they_are(tmp_path):
+    """Each has its disk on the plan, in the colour of a fault where the certificate breaks."""
+    path, before, after = (tmp_path / name for name in ("h.usda", "b.png", "a.png"))
+    author_stage(house(*SOUND, item("other", "table", 0.31, 3.2, (1.4, 0.6, 0.75), yaw=90)), path)
+    assert main(["describe", str(path), "--preview", str(before)]) == DONE
+    assert main(["check", str(path), "--preview", str(after)]) == NOT_HELD
+    plain, marked = (np.asarray(Image.open(one)) for one in (before, after))
+    on_plan = marked[: plain.shape[0], : plain.shape[1]]
+    changed = (plain != on_plan).any(axis=-1)
+    assert (on_plan[changed] == FAULT).all(axis=-1).sum() > 100
+    x_px = np.nonzero((on_plan == FAULT).all(axis=-1))[1].mean()
+    assert x_px < 0.4 * plain.shape[1], "the desks stand at the left"
 
 
 def test_a_stage_without_rooms_does_not_hold():

@@ -62,17 +62,17 @@ class Dressing(TypedDict):
 
 
 class BrokenRule(TypedDict):
-    """A planning number that is not kept; need and have with `_m` are metres."""
+    """A planning number that is not kept; need_m and have_m are None unless the unit is "m"."""
 
     rule: str
     source: str
     unit: str
     at: list[float]
     items: list[str]
+    need_m: float | None
+    have_m: float | None
     need: NotRequired[float | None]
     have: NotRequired[float | None]
-    need_m: NotRequired[float | None]
-    have_m: NotRequired[float | None]
 
 
 class Judged(TypedDict):

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.runtime.counting import counted
 from chord_usd.faces.commands.certified import holds
+from chord_usd.faces.commands.check_preview import draw_report, worst_of
 from chord_usd.faces.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
 from chord_usd.faces.commands.house_options import add_options
+from chord_usd.faces.commands.paths import output_file
 
 if TYPE_CHECKING:
-    from chord_usd.base.metrics.design import Design, Finding
+    from chord_usd.base.metrics.design import Design
     from chord_usd.line.stage.check.check_stage import Report
 
 OUTLIERS_TOLD = 3
@@ -23,6 +25,10 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "check", run, "certify a stage: valid, walkable, free of collisions")
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
+    parser.add_argument(
+        "--preview", type=output_file, metavar="PNG",
+        help="also draw the house from above with all that was found",
+    )  # fmt: skip
     add_options(parser, "standard")
 
 
@@ -34,6 +40,8 @@ def run(options: argparse.Namespace) -> Outcome:
     standards = standards_in(options.standard or "")
     with stopwatch(options).step("check"):
         report = check_stage(existing_file(options.stage), standards=standards)
+        if options.preview:
+            draw_report(options.stage, report, options.preview)
     data = certificate(report)
     return Outcome(_text(options.stage, report, data), data, holds(data))
 
@@ -61,13 +69,9 @@ def _design(design: Design) -> list[str]:
     lines = [f"  planning rules kept {design.share:.0%}"]
     for one in (*design.rooms, design.home):
         lines.append(f"    {one.place or 'home'} ({one.kind}): {len(one.kept)} of {one.asked}")
-        worst: dict[str, Finding] = {}
-        for found in one.findings:
-            if found.rule not in worst or found.missed > worst[found.rule].missed:
-                worst[found.rule] = found
         lines += [
             f"      {found.said} ({found.source}), at {found.at[0]:.2f}, {found.at[1]:.2f} m"
-            for found in worst.values()
+            for found in worst_of(one)
         ]
     return lines
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 
 import cv2
@@ -35,6 +36,7 @@ from chord_usd.base.scene.types import (
     SceneGraph,
 )
 from chord_usd.base.scene.units import px_from_m
+from chord_usd.line.image.preview_marks import Mark, with_marks
 
 PICTURE_PX = 1200
 """Longer side of the picture."""
@@ -80,16 +82,21 @@ def draw_preview(graph: SceneGraph, path: Path) -> None:
     draw_storeys([graph], path)
 
 
-def draw_storeys(graphs: Sequence[SceneGraph], path: Path) -> None:
-    """Write a PNG of storeys side by side, the first to the left. Raises as draw_preview."""
+def draw_storeys(
+    graphs: Sequence[SceneGraph], path: Path, marks: Sequence[Sequence[Mark]] = ()
+) -> None:
+    """Write a PNG of storeys side by side, the first to the left. Raises as draw_preview.
+
+    marks: of each storey, drawn on it and written beside it.
+    """
     png = io.BytesIO()
-    Image.fromarray(storeys_rgb(graphs)).save(png, format="PNG")
+    Image.fromarray(storeys_rgb(graphs, marks)).save(png, format="PNG")
     write_atomic(path, png.getvalue())
 
 
-def storeys_rgb(graphs: Sequence[SceneGraph]) -> np.ndarray:
+def storeys_rgb(graphs: Sequence[SceneGraph], marks: Sequence[Sequence[Mark]] = ()) -> np.ndarray:
     """The picture that draw_storeys writes: (H, W, 3) uint8."""
-    pictures = [preview_rgb(graph) for graph in graphs]
+    pictures = [preview_rgb(graph, own) for graph, own in zip_longest(graphs, marks, fillvalue=())]
     height = max(picture.shape[0] for picture in pictures)
     sheet = np.full((height, sum(one.shape[1] for one in pictures), 3), PAPER, dtype=np.uint8)
     left = 0
@@ -99,8 +106,9 @@ def storeys_rgb(graphs: Sequence[SceneGraph]) -> np.ndarray:
     return sheet
 
 
-def preview_rgb(graph: SceneGraph) -> np.ndarray:
-    """The picture that draw_preview writes: (H, W, 3) uint8, the longer side PICTURE_PX."""
+def preview_rgb(graph: SceneGraph, marks: Sequence[Mark] = ()) -> np.ndarray:
+    """The picture that draw_preview writes: (H, W, 3) uint8, the longer side PICTURE_PX without the
+    column of marks."""
     sheet = Sheet.around(graph)
     _draw_shell(sheet, graph)
     drawn = [(one, _draw_dressing) for one in graph.dressing]
@@ -113,7 +121,7 @@ def preview_rgb(graph: SceneGraph) -> np.ndarray:
     _label_items(sheet, draw, graph.items)
     _label_rooms(sheet, draw, graph)
     _draw_scale(sheet, draw)
-    return np.asarray(picture)
+    return with_marks(np.asarray(picture), sheet.frame, marks)
 
 
 # --- the sheet ----------------------------------------------------------------------------------

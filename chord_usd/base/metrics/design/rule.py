@@ -74,13 +74,16 @@ class Finding:
         return abs(self.have - self.need)
 
     def as_json(self) -> dict[str, Any]:
-        """As reports give it: lengths under keys that name metres, nothing for endless ones."""
-        suffix = "_m" if self.unit == "m" else ""
-        values = {f"need{suffix}": self.need, f"have{suffix}": self.have}
+        """As reports give it: lengths under keys that name metres, None for endless ones and under
+        these keys for other units."""
+        need, have = (round(each, 3) if math.isfinite(each) else None
+                      for each in (self.need, self.have))  # fmt: skip
+        if self.unit == "m":
+            values = {"need_m": need, "have_m": have}
+        else:
+            values = {"need_m": None, "have_m": None, "need": need, "have": have}
         return {
-            "rule": self.rule, "source": self.source, "unit": self.unit,
-            **{key: round(each, 3) if math.isfinite(each) else None
-               for key, each in values.items()},
+            "rule": self.rule, "source": self.source, "unit": self.unit, **values,
             "at": [round(each, 3) for each in self.at], "items": list(self.items),
         }  # fmt: skip
 

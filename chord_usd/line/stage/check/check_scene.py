@@ -18,7 +18,7 @@ from shapely.geometry import Polygon
 
 from chord_usd.base.errors import StageError
 from chord_usd.base.runtime.stages import ELEVATION, storey_prims
-from chord_usd.base.scene.geometry import polygons_of
+from chord_usd.base.scene.geometry import Floors, polygons_of, rooms_beside
 from chord_usd.base.scene.types import (
     ROOM_KINDS,
     Box,
@@ -130,6 +130,7 @@ def _read_storey(rooms: Sequence[Usd.Prim], elevation_m: float) -> StageScene:
     for prim in rooms:
         reader.read_room(prim)
     reader.tell_carriers()
+    floors = Floors(reader.rooms)
     return StageScene(
         elevation_m=elevation_m,
         ceilings=_meshed(reader.ceilings),
@@ -139,7 +140,7 @@ def _read_storey(rooms: Sequence[Usd.Prim], elevation_m: float) -> StageScene:
         holes=tuple(reader.holes),
         graph=SceneGraph(
             tuple(reader.rooms),
-            tuple(reader.openings),
+            tuple(replace(one, room_ids=rooms_beside(one.box, floors)) for one in reader.openings),
             tuple(reader.items),
             dressing=tuple(reader.dressing),
         ),

@@ -367,7 +367,14 @@ def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
     return replace(
         graph,
         rooms=tuple(replace(room, id=noted.get(room.id, room.id)) for room in graph.rooms),
-        openings=tuple(replace(one, id=noted.get(one.id, one.id)) for one in graph.openings),
+        openings=tuple(
+            replace(
+                one,
+                id=noted.get(one.id, one.id),
+                room_ids=tuple(noted.get(room_id, room_id) for room_id in one.room_ids),
+            )
+            for one in graph.openings
+        ),
         items=tuple(map(item, graph.items)),
         dressing=tuple(map(item, graph.dressing)),
     )
