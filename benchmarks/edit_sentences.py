@@ -33,7 +33,7 @@ from chord_usd.base.scene.settings import Settings  # noqa: E402
 from chord_usd.base.scene.styles import style_named  # noqa: E402
 from chord_usd.line.pipeline import dress_rooms, read_scene_file, settle, write_stage  # noqa: E402
 from chord_usd.line.pipeline.edit_house import Reading, edit  # noqa: E402
-from chord_usd.line.stage.edit.refurnish import StagedHouse, read_house  # noqa: E402
+from chord_usd.line.stage.edit.staged_house import StagedHouse, read_house  # noqa: E402
 from tests.house_facts import Facts  # noqa: E402
 
 FIXTURES = ROOT / "tests" / "fixtures"

@@ -19,7 +19,7 @@ from chord_usd.base.scene.chord_json import read_scene
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.types import Box, Item, SceneGraph
 from chord_usd.line.stage.author.author_stage import author_stage
-from chord_usd.line.stage.edit.refurnish import read_house
+from chord_usd.line.stage.edit.staged_house import read_house
 from tests.exit_codes import written
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]

@@ -19,7 +19,7 @@ from chord_usd.line.arrange.asked_places import Floor
 from chord_usd.line.pipeline.edit_house import edit, read_sentence
 from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check.check_stage import check_stage, worse
-from chord_usd.line.stage.edit.refurnish import read_house
+from chord_usd.line.stage.edit.staged_house import read_house
 from tests.bare_stage import write_bare_stage
 
 

@@ -24,12 +24,8 @@ from chord_usd.base.scene.types import Asset, Provenance
 from chord_usd.faces.farm.bundle import Work, write_bundle
 from chord_usd.line.image.stage_cameras import read_views
 from chord_usd.line.stage.check.check_stage import check_stage
-from chord_usd.line.stage.edit.refurnish import (
-    NewFurniture,
-    read_edited_house,
-    read_house,
-    refurnish,
-)
+from chord_usd.line.stage.edit.refurnish import NewFurniture, refurnish
+from chord_usd.line.stage.edit.staged_house import read_edited_house, read_house
 from chord_usd.line.stage.export.export_stage import export_stage
 from chord_usd.line.stage.read.describe import describe_stage
 from chord_usd.line.stage.read.diff import diff_stages

@@ -17,7 +17,8 @@ from chord_usd.line.pipeline import one_room
 from chord_usd.line.stage.author.attribution import attribution_file
 from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check.check_stage import check_stage
-from chord_usd.line.stage.edit.refurnish import NewFurniture, read_house, refurnish
+from chord_usd.line.stage.edit.refurnish import NewFurniture, refurnish
+from chord_usd.line.stage.edit.staged_house import read_house
 
 MADE = Provenance(checkpoint_hash="feed", seed=8)
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from chord_usd.line.lists.sentences import Understood
     from chord_usd.line.stage.check.check_stage import Report
     from chord_usd.line.stage.edit.edit_rooms import PieceChange, RoomsChange
-    from chord_usd.line.stage.edit.refurnish import StagedHouse
+    from chord_usd.line.stage.edit.staged_house import StagedHouse
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ def _read_on(source: Path, sentence: str, edits: Path | None, room_name: str) ->
     """What it means on the storey of a room."""
     from chord_usd.base.scene.stair_cells import is_cell
     from chord_usd.line.lists.sentences import understand
-    from chord_usd.line.stage.edit.refurnish import read_edited_house, read_house
+    from chord_usd.line.stage.edit.staged_house import read_edited_house, read_house
 
     written = read_house(source, room_name)
     house = read_edited_house(edits, source, room_name) if edits else written

@@ -29,7 +29,7 @@ from chord_usd.line.pipeline.resample import TOUCH_M2, Resampler, furnish_again
 if TYPE_CHECKING:
     from chord_usd.library.database import AssetDatabase
     from chord_usd.line.lists.wishes import Wishes
-    from chord_usd.line.stage.edit.refurnish import StagedHouse
+    from chord_usd.line.stage.edit.staged_house import StagedHouse
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,11 +95,8 @@ def regenerate(
         from chord_usd.line.graph.match import match_assets
         from chord_usd.line.lists.wishes import asked_in
         from chord_usd.line.pipeline.named_room import named_room
-        from chord_usd.line.stage.edit.refurnish import (
-            read_edited_house,
-            read_house,
-            require_furniture,
-        )
+        from chord_usd.line.stage.edit.refurnish import require_furniture
+        from chord_usd.line.stage.edit.staged_house import read_edited_house, read_house
 
         room_name = named_room(source, room_name)
         house = (

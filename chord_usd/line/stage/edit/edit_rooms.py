@@ -20,12 +20,12 @@ from chord_usd.line.stage.author.furniture import DRESSING
 from chord_usd.line.stage.author.prims import Types, apply_schema, attribute, relate
 from chord_usd.line.stage.author.stage_levels import room_spec, room_specs
 from chord_usd.line.stage.edit.refurnish import (
-    LOCKED,
     NewFurniture,
     furnish_layer,
     require_furniture,
     rewrite,
 )
+from chord_usd.line.stage.edit.staged_house import LOCKED
 
 _AT, _TURNED = "xformOp:translate", "xformOp:rotateZ"
 
