@@ -69,17 +69,27 @@ def is_to_furnish(room: Room) -> bool:
     return room.kind in FURNISHED_KINDS
 
 
-def is_of_kind(item: Item, kind: RoomKind, in_studio: bool = False) -> bool:
+def is_of_kind(item: Item, kind: RoomKind, mixed: RoomKind | None = None) -> bool:
     """Whether this category usually stands in such a room; anything fits an unknown one."""
-    return stands_in(item.category, kind, in_studio)
+    return stands_in(item.category, kind, mixed)
 
 
-def stands_in(category: str, kind: RoomKind, in_studio: bool = False) -> bool:
-    """The same of a category by its name. in_studio: whether the home is_studio."""
+def stands_in(category: str, kind: RoomKind, mixed: RoomKind | None = None) -> bool:
+    """The same of a category by its name. mixed: mixed_kind of the home."""
     row = CATEGORIES.get(category)
     if kind == "unknown" or row is None:
         return kind == "unknown"
-    return kind in row.rooms or (in_studio and kind == "living" and "studio" in row.traits)
+    lives = "living" in row.rooms if kind == "bedroom" else "studio" in row.traits
+    return kind in row.rooms or (kind == mixed and lives)
+
+
+def mixed_kind(kinds: Sequence[RoomKind]) -> RoomKind | None:
+    """The kind of room in which a home of rooms of these kinds both lives and sleeps: the living
+    room of a studio, the bedrooms of a home that has no room to live in."""
+    if is_studio(kinds):
+        return "living"
+    is_home = {"bedroom", "bathroom", "kitchen"} <= {*kinds}
+    return "bedroom" if is_home and not {"living", "dining", "unknown"} & {*kinds} else None
 
 
 def is_studio(kinds: Sequence[RoomKind]) -> bool:

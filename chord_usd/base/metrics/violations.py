@@ -23,7 +23,7 @@ from chord_usd.base.metrics.complete import (
     homely_rooms,
 )
 from chord_usd.base.metrics.overlap import Overlap, scene_overlap
-from chord_usd.base.metrics.rooms import is_of_kind, is_studio, out_of_room
+from chord_usd.base.metrics.rooms import is_of_kind, mixed_kind, out_of_room
 from chord_usd.base.metrics.walk import ways_shut
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.base.scene.types import Item, Room, SceneGraph
@@ -146,10 +146,10 @@ def room_faults(
     pieces = Counter(item.room_id for item in graph.items)
     by_id = {room.id: room for room in rooms}
     faults = dict.fromkeys(by_id, 0.0)
-    in_studio = is_studio([room.kind for room in graph.rooms])
+    mixed = mixed_kind([room.kind for room in graph.rooms])
     for item in graph.items:
         room = by_id.get(item.room_id)
-        if room is not None and not is_of_kind(item, room.kind, in_studio):
+        if room is not None and not is_of_kind(item, room.kind, mixed):
             faults[room.id] += _OUT_OF_PLACE / max(1, pieces[room.id])
     for one in found:
         room = by_id.get(one.room)

@@ -3,18 +3,16 @@ need, pairs of bedside tables, showers that one can stand in, seats that face th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from chord_usd.base.metrics.complete import WALLED
 from chord_usd.base.metrics.design.bedroom_rules import bedside, wardrobes
-from chord_usd.base.metrics.design.dining_rules import chairs_of
-from chord_usd.base.metrics.design.shell import Hole
 from chord_usd.base.metrics.design.view import View, sleepers_of
 from chord_usd.base.places.wall_frames import Size, WallFrame
-from chord_usd.base.scene.geometry import front_direction, to_world
+from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, Item
 from chord_usd.base.scene.units import wrap_deg
@@ -24,14 +22,6 @@ WARDROBE_M = 0.6
 SHOWERS_M = (0.9, 0.8)
 TABLE_TO_SOFA_M = 0.4
 SLIDES_M = (0.3, 0.6, 0.9, 1.2)
-TABLES_M = (1.3, 1.6, 2.0)
-SEAT_M = 0.62
-"""Of a table's edge."""
-CHAIR_OUT_M = 0.25
-"""From the table's edge to the middle of a chair."""
-SHOES_M = (0.8, 0.3, 1.1)
-NEAR_DOOR_M = 3.0
-MOST_PLACES = 10
 WALL_STEP_M = 0.3
 SHARES = (1.0, 0.85, 0.7)
 """Of its length, that a piece at a wall is placed again with."""
@@ -76,20 +66,14 @@ def at_walls(view: View, size: Size, step_m: float = WALL_STEP_M) -> Iterator[Bo
         yield from WallFrame.between(start, end).boxes(size, step_m)
 
 
-def shoes(view: View, door: Hole) -> Iterator[Change]:
-    """A shoe cabinet at a wall by the front door, the nearest places first."""
-    if view.of("shoe_cabinet"):
-        return
-    places = [(float(np.hypot(*(np.array(box.center_m[:2]) - door.middle))), nth, box)
-              for nth, box in enumerate(at_walls(view, SHOES_M))]  # fmt: skip
-    for away, _, box in sorted(places, key=lambda one: one[:2])[:MOST_PLACES]:
-        if away < NEAR_DOOR_M:
-            yield (*view.items, new_piece(view, "shoe_cabinet", box))
-
-
 def new_piece(view: View, category: str, box: Box, number: int = 0) -> Item:
     room = view.shell.room.id
     return Item(f"{room}/{category}_new_{number}", category, box, room)
+
+
+def but(view: View, numbers: Sequence[int]) -> tuple[Item, ...]:
+    """The pieces of a room without some."""
+    return tuple(item for at, item in enumerate(view.items) if at not in numbers)
 
 
 def _with(view: View, at: int, box: Box) -> Change:
@@ -147,7 +131,7 @@ def _bedsides(view: View) -> Iterator[Change]:
         tables = bedside(view, bed)
         sizes = [view.items[at].box.size_m for at in tables] or [(0.45, 0.4, 0.5)]
         box = view.items[bed].box
-        rest = tuple(item for at, item in enumerate(view.items) if at not in tables)
+        rest = but(view, tables)
         for size in (*sizes, (0.4, 0.4, 0.5)):
             pair = beside_bed(view, box, size)
             yield (*rest, *pair)
@@ -215,7 +199,7 @@ def _armchairs(view: View) -> Iterator[Change]:
     chairs = view.of("single_sofa", "leisure_sofa")
     size = view.items[chairs[0]].box.size_m if chairs else (0.8, 0.8, 0.85)
     category = view.categories[chairs[0]] if chairs else "single_sofa"
-    rest = tuple(item for at, item in enumerate(view.items) if at not in chairs)
+    rest = but(view, chairs)
     reach = max(float(view.length[sofa]), float(view.length[focus])) / 2 + size[1] / 2
     seats = []
     for nth, side in enumerate((-1, 1)):
@@ -231,7 +215,7 @@ def _armchairs(view: View) -> Iterator[Change]:
             if one_side < other_side:
                 yield (*rest, one, other)
     for at in chairs:
-        yield tuple(item for number, item in enumerate(view.items) if number != at)
+        yield but(view, [at])
 
 
 def _slid(category: str) -> Callable[[View], Iterator[Change]]:
@@ -247,64 +231,11 @@ def _slid(category: str) -> Callable[[View], Iterator[Change]]:
     return propose
 
 
-def _seats(view: View) -> Iterator[Change]:
-    """As many chairs or more, spread evenly along the sides of the table."""
-    for table in view.of("dining_table")[:1]:
-        chairs = chairs_of(view, table)
-        box, room = view.items[table].box, view.shell.room.id
-        size = view.items[chairs[0]].box.size_m if chairs else (0.45, 0.5, 0.9)
-        rest = tuple(item for at, item in enumerate(view.items) if at not in chairs)
-        for top in _tables(box):
-            others = [replace(one, box=top) if one is view.items[table] else one for one in rest]
-            for counts in sized_round(top):
-                if sum(counts) >= max(2, len(chairs)):
-                    yield (*others, *round_table(top, counts, size, room))
-
-
-def sized_round(top: Box) -> Iterator[tuple[int, int, int, int]]:
-    """How many chairs stand before the front, the back, and the ends of a table."""
-    long, deep = int(top.size_m[0] / SEAT_M), int(top.size_m[1] / SEAT_M)
-    yield (long, long, min(deep, 1), min(deep, 1))
-    yield (long, long, 0, 0)
-    yield (long, 0, 1, 1)
-    yield (long, 0, 0, 0)
-
-
-def _tables(box: Box) -> Iterator[Box]:
-    """The table as it is, and in other lengths, also turned."""
-    yield box
-    for length in TABLES_M:
-        size = (length, max(box.size_m[1], 0.8), box.size_m[2])
-        yield replace(box, size_m=size)
-        yield replace(box, size_m=size, yaw_deg=wrap_deg(box.yaw_deg + 90.0))
-
-
-def round_table(
-    table: Box, counts: tuple[int, int, int, int], size: tuple[float, float, float], room: str
-) -> Iterator[Item]:
-    """Chairs before the front, the back, and the ends of a table."""
-    length, depth, _ = table.size_m
-    number = 0
-    for turn, count in zip((180.0, 0.0, 90.0, -90.0), counts, strict=True):
-        edge, out = (length, depth) if turn in (0.0, 180.0) else (depth, length)
-        ahead = front_direction(turn + 180.0)
-        across = np.array([-ahead[1], ahead[0]])
-        for nth in range(count):
-            along = ((nth + 0.5) / count - 0.5) * edge
-            place = ahead * (out / 2 + CHAIR_OUT_M) + across * along
-            x, y = to_world(table, place)
-            own = Box((float(x), float(y), 0.0), size, wrap_deg(table.yaw_deg + turn))
-            yield Item(f"{room}/chair_{number}", "chair", own, room)
-            number += 1
-
-
 BY_KIND = {
     "bedroom": (_bedsides, _wardrobe, _wardrobe_more),
     "bathroom": (_shower, _basin),
     "washroom": (_basin,),
     "wc": (_basin,),
-    "living": (_slid("tv_cabinet"), _coffee_table, _armchairs, _seats),
-    "dining": (_seats,),
-    "kitchen": (_seats,),
+    "living": (_slid("tv_cabinet"), _coffee_table, _armchairs),
 }
 """By kind of room, in order."""

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from chord_usd.base.metrics.complete import FEWER_BELOW_M2
 from chord_usd.base.metrics.design.home_rules import MOST_DINERS
+from chord_usd.base.metrics.design.shell import Shell, shells
 from chord_usd.base.metrics.rooms import is_studio, stands_in
 from chord_usd.base.metrics.walk import entrance, rooms_beside
 from chord_usd.base.scene.geometry import room_polygon
@@ -14,8 +15,6 @@ from chord_usd.base.scene.types import Opening, Room, RoomKind, SceneGraph
 
 DOUBLE_M2 = 9.0
 """A bedroom at least so large is for two."""
-EATEN_IN: tuple[RoomKind, ...] = ("dining", "living", "kitchen")
-"""Kinds of room that a dining table stands in, the likeliest first."""
 WASHED_IN: tuple[RoomKind, ...] = ("washroom", "balcony", "bathroom", "kitchen")
 TABLE_M2 = 9.0
 """A room of another kind takes a dining table from this size on."""
@@ -26,6 +25,8 @@ TOILET_M2 = 3.0
 
 HAND_BASIN_M2 = FEWER_BELOW_M2["wc"][0][0]
 
+_SMALL = 4
+
 Programme = dict[str, tuple[str, ...]]
 """By room id, categories of pieces, as often as they are needed."""
 
@@ -35,6 +36,21 @@ def toilets_elsewhere(rooms: Sequence[Room]) -> frozenset[str]:
     has_wc = any(room.kind == "wc" for room in rooms)
     return frozenset(room.id for room in rooms if has_wc and room.kind == "bathroom"
                      and room_polygon(room).area < TOILET_M2)  # fmt: skip
+
+
+def suits_dining(shell: Shell) -> tuple[int, float]:
+    """How well a dining table suits a room, the best first; from _SMALL on lists name none.
+
+    A living room that no way joins to a kitchen comes after a kitchen with room for a table.
+    """
+    large = shell.area_m2 >= TABLE_M2
+    order = {
+        "dining": 0,
+        "living": (1 if shell.joins_kitchen else 3) if large else _SMALL,
+        "kitchen": 2 if large else _SMALL,
+        "bedroom": _SMALL + 1,
+    }
+    return order.get(shell.kind, _SMALL + 2), -shell.area_m2
 
 
 def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programme:
@@ -63,11 +79,10 @@ def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programm
         # Networks have seen no such room: of long programmes they make rows of small pieces.
         rest = ["bed"] if in_studio else ["tv_cabinet", "single_sofa"]
         found[largest["living"].id] += ["sofa", "coffee_table", *rest]
-    eaten = next((largest[kind] for kind in EATEN_IN if kind in largest
-                  and (kind == "dining" or areas[largest[kind].id] >= TABLE_M2)), None)  # fmt: skip
-    if eaten is not None:
+    eaten = min(shells(tuple(rooms), tuple(openings)).values(), key=suits_dining, default=None)
+    if eaten is not None and suits_dining(eaten)[0] < _SMALL:
         diners = min(max(2, sleepers), MOST_DINERS)
-        found[eaten.id] += ["dining_table", *["chair"] * diners]
+        found[eaten.room.id] += ["dining_table", *["chair"] * diners]
     washed = next((largest[kind] for kind in WASHED_IN if kind in largest
                    and (kind != "bathroom" or areas[largest[kind].id] >= LAUNDRY_M2)
                    and stands_in("washing_machine", kind)), None)  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.base.metrics.complete import ESSENTIALS, lacking
 from chord_usd.base.metrics.design import ROOM_RULES
-from chord_usd.base.metrics.rooms import is_studio, stands_in
+from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import Item, Plan, Room, RoomKind, SceneGraph
 from chord_usd.line.lists.home_programme import Programme, programme_of, toilets_elsewhere
@@ -196,8 +196,8 @@ def _subject(room: Room, around: Around, asked: Asked) -> Subject:
 def _foreign(kind: RoomKind, around: Around) -> set[str]:
     """Categories that stand in no room of this kind. A garage as large as a living room would be
     furnished as one, and networks know all wet rooms as bathrooms."""
-    in_studio = is_studio(around.kinds_of_home)
-    return {name for name in PIECES.categories if not stands_in(name, kind, in_studio)}
+    mixed = mixed_kind(around.kinds_of_home)
+    return {name for name in PIECES.categories if not stands_in(name, kind, mixed)}
 
 
 def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at: int) -> Subject:

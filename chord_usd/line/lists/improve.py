@@ -13,7 +13,7 @@ from chord_usd.base.metrics.overlap import overlaps_by_nature
 from chord_usd.base.scene.types import Item
 from chord_usd.line.lists.changes import Change, Propose
 
-_LEAST_GAIN = 1e-6
+LEAST_GAIN = 1e-6
 _WEIGHED = 40
 """Changes of one kind that are weighed by all rules, evenly of those that clash with nothing."""
 _LOOKED_AT = 3
@@ -25,7 +25,7 @@ def improved(
     home: Callable[[View], float],
     changes: Iterable[Propose],
     permits: Callable[[View], bool] = lambda _: True,
-    gain: float = _LEAST_GAIN,
+    gain: float = LEAST_GAIN,
 ) -> View:
     """The room with each of these changes that lowers what room and home cost, one after another.
 

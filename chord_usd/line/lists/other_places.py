@@ -1,5 +1,5 @@
 """What may be changed in a room that breaks planning rules: other places along every wall for the
-pieces that break them, each with what belongs to it, and pieces that the home lacks."""
+pieces that break them, each with what belongs to it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,11 @@ from itertools import product
 import numpy as np
 
 from chord_usd.base.metrics.complete import WALLED
-from chord_usd.base.metrics.design import judged_home, judged_room
+from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.bedroom_rules import WARDROBE_RULES, bedside, wardrobes
 from chord_usd.base.metrics.design.dining_rules import chairs_of
-from chord_usd.base.metrics.design.home_rules import LAUNDRY, STORAGE, TABLE
 from chord_usd.base.metrics.design.living_rules import SINGLES
-from chord_usd.base.metrics.design.view import HomeView, View, sleepers_of
-from chord_usd.base.metrics.rooms import stands_in
+from chord_usd.base.metrics.design.view import View, sleepers_of
 from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.types import Box, Item
 from chord_usd.base.scene.units import wrap_deg
@@ -27,15 +25,12 @@ from chord_usd.line.lists.changes import (
     WARDROBE_M,
     Change,
     Propose,
-    Size,
     at_walls,
     beside_bed,
+    but,
     new_piece,
-    round_table,
-    shoes,
-    sized_round,
 )
-from chord_usd.line.lists.home_programme import EATEN_IN, WASHED_IN
+from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
 from chord_usd.line.lists.improve import free_of_clashes
 from chord_usd.line.lists.pieces import TALL_M
 
@@ -43,46 +38,17 @@ _ALONE = frozenset((*WALLED, "shower", "bathtub", "table"))
 _TV_M = (1.4, 0.4, 0.47)
 _ARMCHAIR_M = (0.8, 0.8, 0.85)
 _COFFEE_M = (0.9, 0.55, 0.42)
-_WASHER_M = (0.6, 0.6, 0.85)
-_SHELVES_M = (0.8, 0.4, 2.0)
-_TABLES_M = (1.4, 1.2, 0.9)
-_GRID_M = 0.4
-"""Between places of a dining table."""
+_SOFA_M = (2.2, 0.9, 0.85)
+_SOFAS_M = (2.25, 1.7)
+"""Lengths of sofas beside the one that is there."""
 
 
-def changes_of(view: View, home: HomeView) -> list[Propose]:
-    """What may be changed in a room, in order; nothing in one that keeps every rule of a home that
-    keeps every rule."""
-    kind = view.shell.kind
-    lacks = {finding.rule for finding in judged_home(home).findings}
-    found: list[Propose] = []
-    if lacks or any(one.findings for one in judged_room(view)):
-        found += [*BY_KIND.get(kind, ()), moved]
-    front = home.entrance.id if home.entrance else ""
-    doors = [hole for hole in view.shell.holes if hole.id == front]
-    if doors and stands_in("shoe_cabinet", kind):
-        found.append(partial(shoes, door=doors[0]))
-    if LAUNDRY in lacks and kind in WASHED_IN:
-        found.append(partial(_added, category="washing_machine", size=_WASHER_M))
-    if STORAGE in lacks and kind == "store":
-        found.append(partial(_added, category="cabinet", size=_SHELVES_M))
-    if TABLE in lacks and kind in EATEN_IN:
-        found.append(_first_table)
-    return found
-
-
-def _added(view: View, category: str, size: Size) -> Iterator[Change]:
-    if not view.of(category):
-        for box in at_walls(view, size):
-            yield (*view.items, new_piece(view, category, box))
-
-
-def _first_table(view: View) -> Iterator[Change]:
-    if not view.of("dining_table"):
-        for length in _TABLES_M:
-            for box in dining_places(view, Box((0.0, 0.0, 0.0), (length, 0.8, 0.75), 0.0)):
-                table = new_piece(view, "dining_table", box)
-                yield from set_tables(view, view.items, table, 2)
+def changes_of(view: View) -> list[Propose]:
+    """What may be changed in a room, in order; nothing in one that keeps every rule."""
+    if not any(one.findings for one in judged_room(view)):
+        return []
+    seats = partial(more_chairs, seats=max(2, seats_at(view)))
+    return [*BY_KIND.get(view.shell.kind, ()), *([seats] if view.of("dining_table") else []), moved]
 
 
 def moved(view: View) -> Iterator[Change]:
@@ -99,12 +65,12 @@ def moved(view: View) -> Iterator[Change]:
         elif item.category == "dining_table" and (
             item.id in named or named & {view.items[one].id for one in chairs_of(view, at)}
         ):
-            yield from _dining_table(view, at)
+            yield from laid_table(view, max(2, len(chairs_of(view, at))), at)
         elif item.category in _ALONE and item.id in named:
             rest = (*view.items[:at], *view.items[at + 1 :])
             for box in at_walls(view, item.box.size_m):
                 yield (*rest, moved_to(item, box))
-    if view.shell.kind == "living" and named:
+    if view.shell.kind == "living" and findings:
         yield from sofa_groups(view)
 
 
@@ -120,7 +86,8 @@ def _bed(view: View, at: int) -> Iterator[Change]:
     sizes = [view.items[one].box.size_m for one in tables] or [(0.4, 0.4, 0.5)]
     stored = wardrobes(view)
     length = min(max(1.0 * sleepers_of(view), 0.8), 2.6)
-    rest, bare = _but(view, [at, *tables]), _but(view, [at, *tables, *stored])
+    moves = [at, *tables, *view.of("bed_background")]
+    rest, bare = but(view, moves), but(view, [*moves, *stored])
     shelves = [new_piece(view, "cabinet", box)
                for box in at_walls(view, (length, WARDROBE_M, TALL_M), 0.5)]  # fmt: skip
     places = at_walls(view, view.items[at].box.size_m)
@@ -134,21 +101,21 @@ def _bed(view: View, at: int) -> Iterator[Change]:
 
 
 def sofa_groups(view: View) -> Iterator[Change]:
-    """The sofa at each wall: the table before it, armchairs beside that, a television opposite, on
-    a cabinet or where the wall has a place for a screen."""
-    sofas = view.of("sofa")
-    if not sofas:
-        return
-    at = max(sofas, key=lambda one: view.length[one])
+    """The sofa, or a first one, at each wall: the table before it, armchairs beside that, a
+    television opposite, on a cabinet or where the wall has a place for a screen."""
+    at = max(view.of("sofa"), key=lambda one: view.length[one], default=None)
+    first = new_piece(view, "sofa", Box((0.0, 0.0, 0.0), _SOFA_M, 0.0))
+    own = first if at is None else view.items[at]
     singles, tables, screens = view.of(*SINGLES), view.of("coffee_table"), view.of("tv_cabinet")
-    rest = _but(view, [at, *singles, *tables, *screens])
-    sizes = [view.items[own[0]].box.size_m if own else size for own, size in
+    panels = view.of("sofa_background")
+    rest = but(view, [*singles, *tables, *screens, *panels, *([] if at is None else [at])])
+    sizes = [view.items[there[0]].box.size_m if there else size for there, size in
              ((tables, _COFFEE_M), (singles, _ARMCHAIR_M), (screens, _TV_M))]  # fmt: skip
     chair = view.categories[singles[0]] if singles else "single_sofa"
-    for length in dict.fromkeys((float(view.length[at]), 2.0)):
-        size = (length, *view.items[at].box.size_m[1:])
+    for length in dict.fromkeys((float(own.box.size_m[0]), *_SOFAS_M)):
+        size = (length, *own.box.size_m[1:])
         places = at_walls(view, size, 0.5)
-        for sofa in _standing(view, rest, (moved_to(view.items[at], box) for box in places)):
+        for sofa in _standing(view, rest, (moved_to(own, box) for box in places)):
             box = sofa.box
             ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + sizes[0][1] / 2)
             table = new_piece(view, "coffee_table", _placed(box, (0.0, ahead), sizes[0], 0.0))
@@ -160,9 +127,9 @@ def sofa_groups(view: View) -> Iterator[Change]:
                 for n, side in enumerate((-1, 1))
             ]
             cabinets = [*_opposite(view, box, sizes[2]), None]
-            for own, cabinet in product((seats, seats[:1], seats[1:]), cabinets):
+            for pair, cabinet in product((seats, seats[:1], seats[1:]), cabinets):
                 shown = [new_piece(view, "tv_cabinet", cabinet)] if cabinet else []
-                yield (*rest, sofa, table, *own, *shown)
+                yield (*rest, sofa, table, *pair, *shown)
 
 
 def _opposite(view: View, sofa: Box, size: tuple[float, float, float]) -> Iterator[Box]:
@@ -181,34 +148,6 @@ def _opposite(view: View, sofa: Box, size: tuple[float, float, float]) -> Iterat
             yield Box((x, y, 0.0), size, round(yaw, 6))
 
 
-def _dining_table(view: View, at: int) -> Iterator[Change]:
-    """The table elsewhere on the floor, chairs round it."""
-    chairs = chairs_of(view, at)
-    item = view.items[at]
-    rest = _but(view, [at, *chairs])
-    for table in dining_places(view, item.box):
-        yield from set_tables(view, rest, moved_to(item, table), max(2, len(chairs)))
-
-
-def dining_places(view: View, box: Box) -> Iterator[Box]:
-    """Places of a table over the floor of a room, in two directions."""
-    low, high = view.shell.room.polygon_m.min(axis=0), view.shell.room.polygon_m.max(axis=0)
-    across, along = (np.arange(a + 0.6, b - 0.6, _GRID_M) for a, b in zip(low, high, strict=True))
-    for x, y in product(across.tolist(), along.tolist()):
-        for turn in (0.0, 90.0):
-            yaw = wrap_deg(box.yaw_deg + turn)
-            yield Box((x, y, box.center_m[2]), box.size_m, yaw)
-
-
-def set_tables(view: View, rest: Sequence[Item], table: Item, seats: int) -> Iterator[Change]:
-    """A table with so many chairs or more round it."""
-    size = next((item.box.size_m for item in view.items if item.category == "chair"),
-                (0.45, 0.5, 0.9))  # fmt: skip
-    for counts in sized_round(table.box):
-        if sum(counts) >= seats:
-            yield (*rest, table, *round_table(table.box, counts, size, view.shell.room.id))
-
-
 def _placed(
     box: Box, place: tuple[float, float], size: tuple[float, float, float], turn_deg: float
 ) -> Box:
@@ -221,7 +160,3 @@ def _standing(view: View, rest: Sequence[Item], pieces: Iterable[Item]) -> Itera
     """Those of some pieces that clash with nothing that stays."""
     for items in free_of_clashes(view, [(*rest, piece) for piece in pieces]):
         yield items[-1]
-
-
-def _but(view: View, numbers: Sequence[int]) -> tuple[Item, ...]:
-    return tuple(item for at, item in enumerate(view.items) if at not in numbers)

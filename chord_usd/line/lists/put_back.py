@@ -18,9 +18,10 @@ from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
-from chord_usd.line.lists.changes import placed_again
-from chord_usd.line.lists.improve import improved
+from chord_usd.line.lists.changes import Propose, placed_again
+from chord_usd.line.lists.improve import LEAST_GAIN, improved
 from chord_usd.line.lists.other_places import changes_of
+from chord_usd.line.lists.repairs import lacking, repairs
 
 RULE = "placed again"
 """Name of the edit in pieces that were added or changed."""
@@ -44,30 +45,64 @@ def put_back(
     somebody else says what they hold: nothing but lost pieces is added. finish: leaves out what
     must not stand; a room that it takes pieces from stays as it was.
     """
-    home = view_home(graph)
-    clear = ClearFloors(list(clearances(graph.rooms, graph.openings)))
-    made = {room.id: tuple(graph.items_of(room.id)) for room in graph.rooms}
-    for at, view in enumerate(home.rooms):
-        room = view.shell.room
-        if room.id not in rooms:
+    work = _Work(graph)
+    for at, view in enumerate(work.home.rooms):
+        if view.shell.room.id not in rooms:
             continue
-
-        def cost(own: View, at: int = at) -> float:
-            rooms = (*home.rooms[:at], own, *home.rooms[at + 1 :])  # noqa: B023
-            return home_price(replace(home, rooms=rooms))  # noqa: B023
-
-        permits = _Permits(graph, room, made)
-        again = (placed_again(item) for item in lost(view.items, listed.items_of(room.id)))
-        better = improved(view, cost, again, permits, gain=0.0)
-        for _ in range(0 if room.id in decided else _ROUNDS):
-            there, better = better, improved(better, cost, changes_of(better, home), permits)
-            if better is there:
+        own = listed.items_of(view.shell.room.id)
+        work.change(at, (placed_again(item) for item in lost(view.items, own)), gain=0.0)
+        for _ in range(0 if view.shell.room.id in decided else _ROUNDS):
+            if not work.change(at, changes_of(work.home.rooms[at])):
                 break
-        if better is not view:
-            made[room.id] = tuple(_anew(room, view.items, better.items, clear))
-            own = View(view.shell, made[room.id], view.hung)
-            home = replace(home, rooms=(*home.rooms[:at], own, *home.rooms[at + 1 :]))
-    return _finished(graph, made, finish)
+    work.repair(set(rooms) - set(decided))
+    return _finished(graph, work.made(), finish)
+
+
+class _Work:
+    """A home while its rooms change."""
+
+    def __init__(self, graph: SceneGraph) -> None:
+        self.home = self._before = view_home(graph)
+        self._graph = graph
+        self._permits: dict[int, _Permits] = {}
+
+    def change(self, at: int, changes: Iterable[Propose], gain: float = LEAST_GAIN) -> bool:
+        """Whether any of these changes to a room was worth it."""
+        view, home = self.home.rooms[at], self.home
+
+        def cost(own: View) -> float:
+            return home_price(replace(home, rooms=(*home.rooms[:at], own, *home.rooms[at + 1 :])))
+
+        if at not in self._permits:
+            standing = {room.shell.room.id: room.items for room in home.rooms}
+            self._permits[at] = _Permits(self._graph, view.shell.room, standing)
+        better = improved(view, cost, changes, self._permits[at], gain)
+        if better is view:
+            return False
+        self.home = replace(home, rooms=(*home.rooms[:at], better, *home.rooms[at + 1 :]))
+        self._permits = {at: self._permits[at]}
+        return True
+
+    def repair(self, rooms: Collection[str]) -> None:
+        """Give the home what it lacks, in these rooms."""
+        for rule in lacking(self.home):
+            for at, changes in repairs(self.home, rule):
+                if self.home.rooms[at].shell.room.id in rooms:
+                    any(self.change(at, [propose]) for propose in changes)
+                if rule not in lacking(self.home):
+                    break
+
+    def made(self) -> dict[str, tuple[Item, ...]]:
+        """The pieces of each room, by its id."""
+        graph = self._graph
+        clear = ClearFloors(list(clearances(graph.rooms, graph.openings)))
+        found = {}
+        for was, now in zip(self._before.rooms, self.home.rooms, strict=True):
+            room = now.shell.room
+            found[room.id] = was.items if was is now else tuple(
+                _anew(room, was.items, now.items, clear)
+            )  # fmt: skip
+        return found
 
 
 def _finished(

@@ -18,6 +18,9 @@ from chord_usd.base.scene.types import WET_KINDS, FloatArray
 MOST_DINERS = 8
 HALL_M = 1.2
 LAUNDRY, TABLE, STORAGE = "laundry", "dining table", "storage in a store room"
+NO_HOME_WITHOUT, DINERS = "what no home is without", "diners without a seat"
+TELEVISION, WARDROBES = "television", "wardrobe a sleeper"
+SHOES = "shoe cabinet from the entrance"
 """Names of rules that pieces which are added keep."""
 _STORAGE, _LAUNDRY = having("storage"), having("laundry")
 
@@ -107,15 +110,15 @@ def _wash(home: HomeView) -> Iterator[Measured]:
 
 
 RULES: tuple[Rule[HomeView], ...] = (
-    Rule("what no home is without", 0, "count", "NDSS", _lacks, at_most=True, weight=2.0),
-    Rule("wardrobe a sleeper", 1.00, "m", "HUD 1973", _wardrobe),
+    Rule(NO_HOME_WITHOUT, 0, "count", "NDSS", _lacks, at_most=True, weight=2.0),
+    Rule(WARDROBES, 1.00, "m", "HUD 1973", _wardrobe),
     Rule(LAUNDRY, 1, "count", "DIN 18022", _count(*_LAUNDRY)),
-    Rule("diners without a seat", 0, "count", "HUD 1973", _diners, at_most=True),
+    Rule(DINERS, 0, "count", "HUD 1973", _diners, at_most=True),
     Rule(TABLE, 1, "count", "HUD 1973", _count("dining_table")),
-    Rule("television", 1, "count", "planning guides", _televisions),
+    Rule(TELEVISION, 1, "count", "planning guides", _televisions),
     Rule("refrigerator", 1, "count", "NKBA 3", _count("refrigerator")),
     Rule("bath or shower", 1, "count", "DIN 18022", _wash),
-    Rule("shoe cabinet from the entrance", 3.00, "m", "DIN 18011", _shoes, at_most=True),
+    Rule(SHOES, 3.00, "m", "DIN 18011", _shoes, at_most=True),
     Rule(
         "share of the floor behind the entrance taken",
         0.03,

@@ -24,6 +24,8 @@ FAULT = 4.0
 """Of violations.room_faults, beside a share of rules: it counts per piece."""
 HOME = 3.0
 """A home's rules beside those of one room."""
+_NEARER, _MOST_MISSING = 0.02, 10.0
+"""Of a value, in its unit, that a rule of the home misses."""
 STANDARD = 2.0
 """Clauses of a standard beside the table."""
 _NONE: Mapping[str, tuple[Rule[View], ...]] = MappingProxyType({})
@@ -52,8 +54,11 @@ def broken_share(view: View) -> float:
 
 
 def home_price(home: HomeView) -> float:
-    """What the rules that a home breaks cost."""
-    return HOME * (1.0 - judged_home(home).share)
+    """What the rules that a home breaks cost, and a little by how much it breaks them: what one
+    room cannot give alone, others give the rest of."""
+    judged = judged_home(home)
+    missing = sum(min(abs(one.have - one.need) / _MOST_MISSING, 1.0) for one in judged.findings)
+    return HOME * (1.0 - judged.share) + _NEARER * missing
 
 
 def tight(view: View) -> int:

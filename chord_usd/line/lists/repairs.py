@@ -1,0 +1,186 @@
+"""What a home lacks by its rules once its rooms are furnished, and the rooms that can give it, the
+most fitting first: a home without a living room sits and watches television where it sleeps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+
+import numpy as np
+
+from chord_usd.base.metrics.complete import HOME
+from chord_usd.base.metrics.design import judged_home
+from chord_usd.base.metrics.design.bedroom_rules import wardrobes
+from chord_usd.base.metrics.design.home_rules import (
+    DINERS,
+    LAUNDRY,
+    MOST_DINERS,
+    NO_HOME_WITHOUT,
+    SHOES,
+    STORAGE,
+    TABLE,
+    TELEVISION,
+    WARDROBES,
+)
+from chord_usd.base.metrics.design.view import HomeView, View
+from chord_usd.base.metrics.rooms import mixed_kind, stands_in
+from chord_usd.base.scene.types import FloatArray, RoomKind
+from chord_usd.line.lists.changes import WARDROBE_M, Change, Propose, Size, at_walls, new_piece
+from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
+from chord_usd.line.lists.home_programme import WASHED_IN, suits_dining
+from chord_usd.line.lists.other_places import sofa_groups
+from chord_usd.line.lists.pieces import TALL_M
+
+_WASHER_M = (0.6, 0.6, 0.85)
+_SHELVES_M = (0.8, 0.4, 2.0)
+_SHOES_M = ((0.8, 0.3, 1.1), (0.6, 0.25, 1.1))
+_TV_M = (1.2, 0.35, 0.45)
+_EASY_M = (0.8, 0.8, 0.85)
+NEAR_DOOR_M = 2.9
+_SPARE_M = 0.04
+"""More wardrobe than is needed: painting takes a centimetre."""
+_STORED_IN: tuple[RoomKind, ...] = ("bedroom", "corridor", "store", "study", "living")
+
+Repair = tuple[int, Iterator[Propose]]
+"""Number of a room in its home, and what may be changed there, one after another."""
+
+
+def repairs(home: HomeView, rule: str) -> Iterator[Repair]:
+    """Rooms that can give their home what a rule of it lacks, the most fitting first."""
+    yield from _BY_RULE[rule](home)
+
+
+def lacking(home: HomeView) -> list[str]:
+    """Names of the rules that a home breaks and that pieces may mend, in order."""
+    broken = {finding.rule for finding in judged_home(home).findings}
+    return [rule for rule in _BY_RULE if rule in broken]
+
+
+def _of_kinds(home: HomeView, kinds: Sequence[RoomKind]) -> list[int]:
+    """Rooms of these kinds, in their order; of a kind the largest first."""
+    shells = [room.shell for room in home.rooms]
+    there = [at for at, shell in enumerate(shells) if shell.kind in kinds]
+    return sorted(there, key=lambda at: (kinds.index(shells[at].kind), -shells[at].area_m2))
+
+
+def _lived_in(home: HomeView) -> list[int]:
+    """The largest bedroom of a home that lives where it sleeps."""
+    kinds = [room.shell.kind for room in home.rooms]
+    own = _of_kinds(home, ("bedroom",))[:1]
+    return own if mixed_kind(kinds) == "bedroom" else []
+
+
+def _laundry(home: HomeView) -> Iterator[Repair]:
+    for at in _of_kinds(home, WASHED_IN):
+        yield at, iter([partial(_added, category="washing_machine", sizes=[_WASHER_M])])
+
+
+def _storage(home: HomeView) -> Iterator[Repair]:
+    for at in _of_kinds(home, ("store",)):
+        yield at, iter([partial(_added, category="cabinet", sizes=[_SHELVES_M])])
+
+
+def _table(home: HomeView) -> Iterator[Repair]:
+    for at in _eaten_in(home):
+        yield at, _tables(home, at)
+
+
+def _diners(home: HomeView) -> Iterator[Repair]:
+    """Rooms that have a table first."""
+    for at in sorted(_eaten_in(home), key=lambda one: not home.rooms[one].of("dining_table")):
+        yield at, _tables(home, at)
+
+
+def _eaten_in(home: HomeView) -> list[int]:
+    rooms = _of_kinds(home, ("dining", "living", "kitchen")) + _lived_in(home)
+    return sorted(rooms, key=lambda at: suits_dining(home.rooms[at].shell))
+
+
+def _tables(home: HomeView, at: int) -> Iterator[Propose]:
+    """More chairs at the table of a room, a longer table, and a first or second one; as many seats
+    as the home lacks, or else fewer."""
+    room = home.rooms[at]
+    own, tables = seats_at(room), room.of("dining_table")
+    missing = min(max(2, home.sleepers), MOST_DINERS) - sum(seats_at(one) for one in home.rooms)
+    for seats in range(min(own + missing, MOST_DINERS), max(1, own), -1):
+        if tables:
+            yield partial(more_chairs, seats=seats)
+            yield partial(laid_table, seats=seats, table=tables[0])
+        else:
+            yield partial(laid_table, seats=seats)
+
+
+def _television(home: HomeView) -> Iterator[Repair]:
+    for at in _of_kinds(home, ("living",)):
+        yield at, iter([sofa_groups, partial(_added, category="tv_cabinet", sizes=[_TV_M])])
+    for at in _of_kinds(home, ("bedroom",)):
+        yield at, iter([_before_bed, partial(_added, category="tv_cabinet", sizes=[_TV_M])])
+
+
+def _before_bed(view: View) -> Iterator[Change]:
+    """A television at the wall that the bed faces."""
+    for change in _added(view, "tv_cabinet", [_TV_M]):
+        turn = np.radians(change[-1].box.yaw_deg)
+        front = np.array([np.sin(turn), -np.cos(turn)])
+        if any(front @ view.front[bed] < -0.97 for bed in view.of("bed")):
+            yield change
+
+
+def _wardrobes(home: HomeView) -> Iterator[Repair]:
+    there = sum(float(room.length[wardrobes(room)].sum()) for room in home.rooms)
+    missing = home.sleepers - there + _SPARE_M
+    lengths = [length for length in (missing, 1.6, 1.2, 0.8) if length <= max(missing, 0.8)]
+    sizes = [(min(max(length, 0.6), 2.6), WARDROBE_M, TALL_M) for length in lengths]
+    for at in _of_kinds(home, _STORED_IN):
+        yield at, (partial(_another, category="cabinet", size=size) for size in sizes)
+
+
+def _shoes(home: HomeView) -> Iterator[Repair]:
+    if home.entrance is None:
+        return
+    door = np.array(home.entrance.box.center_m[:2])
+    for at, room in enumerate(home.rooms):
+        near = np.hypot(*(room.shell.room.polygon_m - door).T).min() < 2 * NEAR_DOOR_M
+        if near and stands_in("shoe_cabinet", room.shell.kind):
+            yield at, iter([partial(_by_door, door=door)])
+
+
+def _by_door(view: View, door: FloatArray) -> Iterator[Change]:
+    """A shoe cabinet at a wall by the front door, the nearest places first."""
+    places = []
+    for size in _SHOES_M:
+        for box in at_walls(view, size):
+            away = float(np.hypot(*(np.array(box.center_m[:2]) - door)))
+            if away < NEAR_DOOR_M:
+                places.append((away, len(places), box))
+    for _, _, box in sorted(places, key=lambda one: one[:2]):
+        yield (*view.items, new_piece(view, "shoe_cabinet", box, len(view.of("shoe_cabinet"))))
+
+
+def _needed(home: HomeView) -> Iterator[Repair]:
+    """A seat, where a home has none."""
+    there = {name for room in home.rooms for name in room.categories}
+    if there & HOME["seat"]:
+        return
+    for at in _of_kinds(home, ("living",)):
+        yield at, iter([sofa_groups])
+    for at in _of_kinds(home, ("bedroom",)):
+        yield at, iter([partial(_added, category="leisure_sofa", sizes=[_EASY_M])])
+
+
+def _added(view: View, category: str, sizes: Sequence[Size]) -> Iterator[Change]:
+    """A first piece of a category at each wall."""
+    if not view.of(category):
+        for size in sizes:
+            yield from _another(view, category, size)
+
+
+def _another(view: View, category: str, size: Size) -> Iterator[Change]:
+    for box in at_walls(view, size):
+        yield (*view.items, new_piece(view, category, box, len(view.of(category))))
+
+
+_BY_RULE: Mapping[str, Callable[[HomeView], Iterator[Repair]]] = {
+    NO_HOME_WITHOUT: _needed, TABLE: _table, DINERS: _diners, TELEVISION: _television,
+    WARDROBES: _wardrobes, SHOES: _shoes, LAUNDRY: _laundry, STORAGE: _storage,
+}  # fmt: skip
