@@ -25,6 +25,7 @@ from chord_usd.line.lists.changes import (
     WARDROBE_M,
     Change,
     Propose,
+    Size,
     at_walls,
     beside_bed,
     but,
@@ -41,6 +42,12 @@ _COFFEE_M = (0.9, 0.55, 0.42)
 _SOFA_M = (2.2, 0.9, 0.85)
 _SOFAS_M = (2.25, 1.7)
 """Lengths of sofas beside the one that is there."""
+_SIDEBOARDS = ("dining_cabinet", "side_coffee_table")
+_ZONED = 12
+"""Groups for which the dining table is laid elsewhere."""
+_DEEP_M2 = 16.0
+_VIEWED_FROM_M = 2.2
+"""From the back of a sofa's seat to a television, where no wall is behind the sofa."""
 
 
 def changes_of(view: View) -> list[Propose]:
@@ -48,7 +55,8 @@ def changes_of(view: View) -> list[Propose]:
     if not any(one.findings for one in judged_room(view)):
         return []
     seats = partial(more_chairs, seats=max(2, seats_at(view)))
-    return [*BY_KIND.get(view.shell.kind, ()), *([seats] if view.of("dining_table") else []), moved]
+    own = [*BY_KIND.get(view.shell.kind, ()), *([seats] if view.of("dining_table") else []), moved]
+    return [*own, zoned] if view.shell.kind == "living" else own
 
 
 def moved(view: View) -> Iterator[Change]:
@@ -101,35 +109,64 @@ def _bed(view: View, at: int) -> Iterator[Change]:
 
 
 def sofa_groups(view: View) -> Iterator[Change]:
-    """The sofa, or a first one, at each wall: the table before it, armchairs beside that, a
-    television opposite, on a cabinet or where the wall has a place for a screen."""
+    """The sofa, or a first one, at each wall or before a television: the table before it, armchairs
+    beside that, a television opposite, on a cabinet or where the wall has a place for a screen."""
+    yield from _grouped(view, ())
+
+
+def zoned(view: View) -> Iterator[Change]:
+    """The same with the dining table laid elsewhere, and without sideboards."""
+    tables = view.of("dining_table")
+    chairs = {chair for table in tables for chair in chairs_of(view, table)}
+    moves = [*tables, *chairs, *view.of(*_SIDEBOARDS)]
+    groups = list(_grouped(view, moves)) if moves else []
+    free = free_of_clashes(view, groups)
+    for items in free[:: 1 + len(free) // _ZONED]:
+        if not tables:
+            yield items
+            continue
+        laid = list(laid_table(View(view.shell, items, view.hung), max(2, len(chairs))))
+        yield from laid[:: 1 + len(laid) // 2]
+
+
+def _grouped(view: View, moves: Sequence[int]) -> Iterator[Change]:
+    """The group at each of its places, without some other pieces."""
     at = max(view.of("sofa"), key=lambda one: view.length[one], default=None)
     first = new_piece(view, "sofa", Box((0.0, 0.0, 0.0), _SOFA_M, 0.0))
     own = first if at is None else view.items[at]
     singles, tables, screens = view.of(*SINGLES), view.of("coffee_table"), view.of("tv_cabinet")
-    panels = view.of("sofa_background")
-    rest = but(view, [*singles, *tables, *screens, *panels, *([] if at is None else [at])])
-    sizes = [view.items[there[0]].box.size_m if there else size for there, size in
-             ((tables, _COFFEE_M), (singles, _ARMCHAIR_M), (screens, _TV_M))]  # fmt: skip
+    group = [*singles, *tables, *screens, *view.of("sofa_background")]
+    rest = but(view, [*group, *moves, *([] if at is None else [at])])
+    coffee, seat, stand = (
+        view.items[there[0]].box.size_m if there else size
+        for there, size in ((tables, _COFFEE_M), (singles, _ARMCHAIR_M), (screens, _TV_M))
+    )
     chair = view.categories[singles[0]] if singles else "single_sofa"
-    for length in dict.fromkeys((float(own.box.size_m[0]), *_SOFAS_M)):
-        size = (length, *own.box.size_m[1:])
-        places = at_walls(view, size, 0.5)
-        for sofa in _standing(view, rest, (moved_to(own, box) for box in places)):
-            box = sofa.box
-            ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + sizes[0][1] / 2)
-            table = new_piece(view, "coffee_table", _placed(box, (0.0, ahead), sizes[0], 0.0))
-            reach = max(sizes[0][0], 1.2) / 2 + sizes[1][1] / 2 + 0.15
-            seats = [
-                new_piece(
-                    view, chair, _placed(box, (side * reach, ahead), sizes[1], -90.0 * side), n
-                )
-                for n, side in enumerate((-1, 1))
-            ]
-            cabinets = [*_opposite(view, box, sizes[2]), None]
-            for pair, cabinet in product((seats, seats[:1], seats[1:]), cabinets):
-                shown = [new_piece(view, "tv_cabinet", cabinet)] if cabinet else []
-                yield (*rest, sofa, table, *pair, *shown)
+    places = (box for length in dict.fromkeys((float(own.box.size_m[0]), *_SOFAS_M))
+              for box in _sofa_places(view, (length, *own.box.size_m[1:]), stand))  # fmt: skip
+    for sofa in _standing(view, rest, (moved_to(own, box) for box in places)):
+        box = sofa.box
+        ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + coffee[1] / 2)
+        table = new_piece(view, "coffee_table", _placed(box, (0.0, ahead), coffee, 0.0))
+        reach = max(coffee[0], 1.2) / 2 + seat[1] / 2 + 0.15
+        pair = [
+            new_piece(view, chair, _placed(box, (side * reach, ahead), seat, -90.0 * side), n)
+            for n, side in enumerate((-1, 1))
+        ]
+        for seats, cabinet in product(
+            (pair, pair[:1], pair[1:]), (*_opposite(view, box, stand), None)
+        ):
+            shown = [new_piece(view, "tv_cabinet", cabinet)] if cabinet else []
+            yield (*rest, sofa, table, *seats, *shown)
+
+
+def _sofa_places(view: View, size: Size, stand: Size) -> Iterator[Box]:
+    """At each wall; in a room that is deep, also before a television of a size at each wall."""
+    yield from at_walls(view, size, 0.5)
+    if view.shell.area_m2 >= _DEEP_M2:
+        away = -(stand[1] / 2 + _VIEWED_FROM_M + size[1] / 2)
+        for screen in at_walls(view, stand, 0.6):
+            yield _placed(screen, (0.0, away), size, 180.0)
 
 
 def _opposite(view: View, sofa: Box, size: tuple[float, float, float]) -> Iterator[Box]:

@@ -11,7 +11,7 @@ from itertools import count
 import numpy as np
 
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
-from chord_usd.base.metrics.design.price import home_price
+from chord_usd.base.metrics.design.price import home_price, room_prices
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.metrics.violations import room_faults
@@ -43,7 +43,7 @@ def put_back(
 
     listed: the pieces of lists. rooms: ids of those that are looked at. decided: of these where
     somebody else says what they hold: nothing but lost pieces is added. finish: leaves out what
-    must not stand; a room that it takes pieces from stays as it was.
+    must not stand; a room that it takes pieces from stays as it was unless it costs less.
     """
     work = _Work(graph)
     for at, view in enumerate(work.home.rooms):
@@ -110,7 +110,8 @@ def _finished(
     made: dict[str, tuple[Item, ...]],
     finish: Callable[[SceneGraph], SceneGraph],
 ) -> SceneGraph:
-    """The house with these pieces by room id; rooms that do not keep them all stay as they were."""
+    """The house with these pieces by room id; rooms that lose some of
+    them and cost more than before stay as they were."""
     roomless = [item for item in graph.items if item.room_id not in made]
     items = (*(item for own in made.values() for item in own), *roomless)
     there = {item.id for item in graph.items}
@@ -119,9 +120,20 @@ def _finished(
     torn = {item.room_id for item in items if item.id not in left}
     if not torn or {item.id for item in items} == there:
         return finished
-    kept = {room_id: tuple(graph.items_of(room_id)) if room_id in torn else own
+    before, after = _prices(graph), _prices(finished)
+    worse = {room_id for room_id in torn if after.get(room_id, 0.0) > before.get(room_id, 0.0)}
+    if not worse:
+        return finished
+    kept = {room_id: tuple(graph.items_of(room_id)) if room_id in worse else own
             for room_id, own in made.items()}  # fmt: skip
     return finish(replace(graph, items=(*(i for own in kept.values() for i in own), *roomless)))
+
+
+def _prices(graph: SceneGraph) -> dict[str, float]:
+    """What each room costs with its faults, by id."""
+    faults = room_faults(graph, graph.rooms)
+    by_id = {room.id: fault for room, fault in zip(graph.rooms, faults, strict=True)}
+    return room_prices(graph, by_id)
 
 
 def lost(there: Iterable[Item], listed: Iterable[Item]) -> list[Item]:

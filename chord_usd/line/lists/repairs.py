@@ -28,7 +28,7 @@ from chord_usd.base.scene.types import FloatArray, RoomKind
 from chord_usd.line.lists.changes import WARDROBE_M, Change, Propose, Size, at_walls, new_piece
 from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
 from chord_usd.line.lists.home_programme import WASHED_IN, suits_dining
-from chord_usd.line.lists.other_places import sofa_groups
+from chord_usd.line.lists.other_places import sofa_groups, zoned
 from chord_usd.line.lists.pieces import TALL_M
 
 _WASHER_M = (0.6, 0.6, 0.85)
@@ -112,7 +112,7 @@ def _tables(home: HomeView, at: int) -> Iterator[Propose]:
 
 def _television(home: HomeView) -> Iterator[Repair]:
     for at in _of_kinds(home, ("living",)):
-        yield at, iter([sofa_groups, partial(_added, category="tv_cabinet", sizes=[_TV_M])])
+        yield at, iter([sofa_groups, zoned])
     for at in _of_kinds(home, ("bedroom",)):
         yield at, iter([_before_bed, partial(_added, category="tv_cabinet", sizes=[_TV_M])])
 
