@@ -421,6 +421,25 @@ def test_a_television_hangs_where_its_cabinet_would_stand_before_a_window() -> N
     assert abs(screen.at[1]) < 0.1, "on the wall that the sofa faces"
 
 
+def test_a_deep_living_room_gets_a_television_before_its_sofa() -> None:
+    """Both long walls are 7.6 m apart, and the short ones are windows."""
+    room = Room("room", "living", frozen_array([(0, 0), (5, 0), (5, 7.6), (0, 7.6)]))
+    windows = tuple(
+        Opening(f"w{x}", "window", Box((x, 3.8, 0.3), (7.0, 0.24, 2.0), 90.0), ("room",))
+        for x in (-0.12, 5.12)
+    )
+    pieces = (("sofa", Box((2.5, 7.1, 0.0), (2.0, 0.9, 0.8), 0.0)),
+              ("coffee_table", Box((2.5, 5.9, 0.0), (0.9, 0.6, 0.4), 0.0)),
+              ("single_sofa", Box((1.2, 5.9, 0.0), (0.8, 0.8, 0.8), 90.0)))  # fmt: skip
+    items = tuple(Item(f"room/{name}_0", name, box, "room") for name, box in pieces)
+    before = View(shells((room,), windows)["room"], items)
+    after = improved(before, lambda _: 0.0, changes_of(before))
+    broken = [{one.rule for judged in judged_room(view) for one in judged.findings}
+              for view in (before, after)]  # fmt: skip
+    assert "television" in broken[0]
+    assert not broken[1]
+
+
 def _home(*pieces: tuple[str, str, Box], day: RoomKind = "bedroom") -> SceneGraph:
     """A large room of a kind with a bed in a corner, a kitchen that the front door leads into, and
     a bathroom; with these pieces by room."""

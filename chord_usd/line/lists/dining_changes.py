@@ -16,7 +16,7 @@ from chord_usd.base.scene.geometry import front_direction, to_world
 from chord_usd.base.scene.types import Box, Item
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.lists.changes import Change, at_walls, but, new_piece
-from chord_usd.line.lists.improve import free_of_clashes
+from chord_usd.line.lists.improve import free_boxes
 
 DEPTH_M, HEIGHT_M = 0.8, 0.75
 CHAIR_M = (0.45, 0.5, 0.9)
@@ -42,18 +42,17 @@ class _Spot:
     box: Box
     counts: Counts
 
-    @property
-    def seated(self) -> tuple[Box, Box]:
-        """The table with chairs pulled out before its long sides, and at its ends."""
+    def seated(self, nth: int) -> Box:
+        """The table with chairs pulled out before its long sides (0), or at its ends (1)."""
         length, depth, _ = self.box.size_m
         front, back, left, right = (PULL_OUT_M * bool(count) for count in self.counts)
-        across = (length, depth + front + back, 0.0), (0.0, (back - front) / 2)
-        along = (length + left + right, depth, 0.0), ((left - right) / 2, 0.0)
-        boxes = []
-        for size, place in (across, along):
-            x, y = to_world(self.box, place)
-            boxes.append(replace(self.box, center_m=(float(x), float(y), 0.0), size_m=size))
-        return boxes[0], boxes[1]
+        size, place = (
+            ((length + left + right, depth, 0.0), ((left - right) / 2, 0.0))
+            if nth
+            else ((length, depth + front + back, 0.0), (0.0, (back - front) / 2))
+        )
+        x, y = to_world(self.box, place)
+        return replace(self.box, center_m=(float(x), float(y), 0.0), size_m=size)
 
 
 def seats_at(view: View) -> int:
@@ -141,21 +140,12 @@ def _places(view: View, size: tuple[float, float, float]) -> Iterator[Box]:
 
 def _free_spots(view: View, rest: Sequence[Item], spots: Sequence[_Spot]) -> list[_Spot]:
     """Those at which chairs can be pulled out; without any, those where the table stands free."""
-    room = view.shell.room.id
-    tables = _clear(rest, view, [Item("", "dining_table", spot.box, room) for spot in spots])
-    free = [spots[at] for at in tables]
-    roomy = free
+    boxes = [spot.box for spot in spots]
+    roomy = free = [spots[at] for at in free_boxes(view, rest, boxes, low=False)]
     for nth in (0, 1):
-        own = [Item("", "cabinet", spot.seated[nth], room) for spot in roomy]
-        roomy = [roomy[at] for at in _clear(rest, view, own)]
+        seated = [spot.seated(nth) for spot in roomy]
+        roomy = [roomy[at] for at in free_boxes(view, rest, seated, low=True)]
     return roomy or free
-
-
-def _clear(rest: Sequence[Item], view: View, pieces: Sequence[Item]) -> list[int]:
-    """Numbers of the pieces that clash with nothing that stays."""
-    options = [(*rest, piece) for piece in pieces]
-    kept = {id(option) for option in free_of_clashes(view, options)}
-    return [at for at, option in enumerate(options) if id(option) in kept]
 
 
 def round_table(

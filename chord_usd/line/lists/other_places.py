@@ -43,7 +43,7 @@ _SOFA_M = (2.2, 0.9, 0.85)
 _SOFAS_M = (2.25, 1.7)
 """Lengths of sofas beside the one that is there."""
 _SIDEBOARDS = ("dining_cabinet", "side_coffee_table")
-_ZONED = 12
+_ZONED = 8
 """Groups for which the dining table is laid elsewhere."""
 _DEEP_M2 = 16.0
 _VIEWED_FROM_M = 2.2
@@ -116,15 +116,17 @@ def sofa_groups(view: View) -> Iterator[Change]:
 
 def zoned(view: View) -> Iterator[Change]:
     """The same with the dining table laid elsewhere, and without sideboards."""
+    if not any(one.findings for one in judged_room(view)):
+        return
     tables = view.of("dining_table")
     chairs = {chair for table in tables for chair in chairs_of(view, table)}
     moves = [*tables, *chairs, *view.of(*_SIDEBOARDS)]
     groups = list(_grouped(view, moves)) if moves else []
     free = free_of_clashes(view, groups)
+    if not tables:
+        yield from free
+        return
     for items in free[:: 1 + len(free) // _ZONED]:
-        if not tables:
-            yield items
-            continue
         laid = list(laid_table(View(view.shell, items, view.hung), max(2, len(chairs))))
         yield from laid[:: 1 + len(laid) // 2]
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
 from chord_usd.base.metrics.design.rule import Rule, judge
-from chord_usd.base.metrics.design.shell import TOUCH_M, inside
+from chord_usd.base.metrics.design.shell import TOUCH_M, Shell, inside
 from chord_usd.base.metrics.design.view import HomeView, View, distances, view_home
 from chord_usd.base.metrics.overlap import overlaps_by_nature
 from chord_usd.base.scene.types import FloatArray, SceneGraph
@@ -96,18 +96,18 @@ def conflicts(view: View) -> FloatArray:
             deep[at, other] = 0.0
     blocks = view.rects.depths(shell.clear)
     blocks[view.height[:, None] <= shell.clear_from_m + TOUCH_M] = 0.0
-    each = (deep.max(axis=1), blocks.max(axis=1, initial=0.0), beyond_walls(view))
+    each = (deep.max(axis=1), blocks.max(axis=1, initial=0.0), beyond_walls(view.corners, shell))
     return np.stack(each, axis=1)
 
 
-def beyond_walls(view: View) -> FloatArray:
-    """(N,) how far the farthest corner of each piece is outside its room, metres."""
-    corners = view.corners.reshape(-1, 2)
-    if not len(corners):
+def beyond_walls(corners: FloatArray, shell: Shell) -> FloatArray:
+    """(N,) how far the farthest corner of each footprint (N, 4, 2) is outside a room, metres."""
+    points = corners.reshape(-1, 2)
+    if not len(points):
         return np.zeros(0)
-    polygon = view.shell.room.polygon_m
-    away = distances(corners, view.shell.sides).min(axis=1)
-    away[inside(corners, polygon)] = 0.0
+    out = ~inside(points, shell.room.polygon_m)
+    away = np.zeros(len(points))
+    away[out] = distances(points[out], shell.sides).min(axis=1)
     found: FloatArray = away.reshape(-1, 4).max(axis=1)
     return found
 

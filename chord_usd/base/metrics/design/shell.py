@@ -19,6 +19,7 @@ from chord_usd.base.metrics.clear_floor import (
 from chord_usd.base.scene.geometry import room_polygon, room_sides
 from chord_usd.base.scene.types import (
     BoolArray,
+    Box,
     FloatArray,
     Opening,
     OpeningKind,
@@ -43,6 +44,16 @@ class Rects:
     """(N, 2) unit vectors of their axes."""
     half: FloatArray
     """(N, 2) half their extents along these."""
+
+    @classmethod
+    def of_boxes(cls, boxes: Sequence[Box]) -> Rects:
+        """Their footprints."""
+        at = np.array([box.center_m[:2] for box in boxes]).reshape(-1, 2)
+        half = np.array([box.size_m[:2] for box in boxes]).reshape(-1, 2) / 2
+        turn = np.radians([box.yaw_deg for box in boxes])
+        right = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+        front = np.stack([np.sin(turn), -np.cos(turn)], axis=-1)
+        return cls(at, right, front, half)
 
     @cached_property
     def corners(self) -> FloatArray:
