@@ -13,19 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chord_usd.base.metrics import score_scene
-from chord_usd.base.metrics.complete import SEATS, homely_rooms, lacking
-from chord_usd.base.metrics.design import judged_home, judged_room
-from chord_usd.base.metrics.design.home_rules import (
-    DINERS,
-    LAUNDRY,
-    SHOES,
-    TABLE,
-    TELEVISION,
-    WARDROBES,
-)
+from chord_usd.base.metrics.complete import homely_rooms, lacking
 from chord_usd.base.metrics.design.price import broken_share, conflicts, tight
 from chord_usd.base.metrics.design.shell import shells
-from chord_usd.base.metrics.design.view import View, view_home
+from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.metrics.walk import ways_shut
@@ -42,7 +33,6 @@ from chord_usd.base.scene.types import (
 )
 from chord_usd.line.lists import pieces
 from chord_usd.line.lists.changes import placed_again
-from chord_usd.line.lists.dining_changes import seats_at
 from chord_usd.line.lists.home_programme import programme_of
 from chord_usd.line.lists.house import Drafts, furnish_by_lists
 from chord_usd.line.lists.improve import improved
@@ -50,7 +40,6 @@ from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Drawn, ListDrawer, S
 from chord_usd.line.lists.mend import mended
 from chord_usd.line.lists.other_places import changes_of
 from chord_usd.line.lists.pieces import PIECES
-from chord_usd.line.lists.put_back import put_back
 from chord_usd.line.lists.ranking import Ranking
 from chord_usd.line.lists.vocabulary import END, NOTHING, Element, sequence_of
 from chord_usd.line.lists.wishes import Asked, Piece
@@ -419,83 +408,3 @@ def test_a_television_hangs_where_its_cabinet_would_stand_before_a_window() -> N
     assert not screen.id
     assert screen.at[0] - screen.length / 2 > 2.6, "beside the window"
     assert abs(screen.at[1]) < 0.1, "on the wall that the sofa faces"
-
-
-def test_a_deep_living_room_gets_a_television_before_its_sofa() -> None:
-    """Both long walls are 7.6 m apart, and the short ones are windows."""
-    room = Room("room", "living", frozen_array([(0, 0), (5, 0), (5, 7.6), (0, 7.6)]))
-    windows = tuple(
-        Opening(f"w{x}", "window", Box((x, 3.8, 0.3), (7.0, 0.24, 2.0), 90.0), ("room",))
-        for x in (-0.12, 5.12)
-    )
-    pieces = (("sofa", Box((2.5, 7.1, 0.0), (2.0, 0.9, 0.8), 0.0)),
-              ("coffee_table", Box((2.5, 5.9, 0.0), (0.9, 0.6, 0.4), 0.0)),
-              ("single_sofa", Box((1.2, 5.9, 0.0), (0.8, 0.8, 0.8), 90.0)))  # fmt: skip
-    items = tuple(Item(f"room/{name}_0", name, box, "room") for name, box in pieces)
-    before = View(shells((room,), windows)["room"], items)
-    after = improved(before, lambda _: 0.0, changes_of(before))
-    broken = [{one.rule for judged in judged_room(view) for one in judged.findings}
-              for view in (before, after)]  # fmt: skip
-    assert "television" in broken[0]
-    assert not broken[1]
-
-
-def _home(*pieces: tuple[str, str, Box], day: RoomKind = "bedroom") -> SceneGraph:
-    """A large room of a kind with a bed in a corner, a kitchen that the front door leads into, and
-    a bathroom; with these pieces by room."""
-    outlines = {"day": (0, 0, 5, 4), "kitchen": (5.24, 0, 8, 4), "bathroom": (0, 4.24, 2, 6)}
-    kinds: dict[str, RoomKind] = {"day": day, "kitchen": "kitchen", "bathroom": "bathroom"}
-    rooms = tuple(
-        Room(name, kinds[name], frozen_array([(a, b), (c, b), (c, d), (a, d)]))
-        for name, (a, b, c, d) in outlines.items()
-    )
-    openings = (
-        Opening("front", "door", Box((7.0, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("kitchen",)),
-        Opening("d", "door", Box((5.12, 3.0, 0.0), (0.9, 0.24, 2.1), 90.0), ("day", "kitchen")),
-        Opening("b", "door", Box((1.0, 4.12, 0.0), (0.8, 0.24, 2.1), 0.0), ("day", "bathroom")),
-    )
-    items = (Item(f"{room}/{name}_{at}", name, box, room)
-             for at, (room, name, box) in enumerate(pieces))  # fmt: skip
-    return SceneGraph(rooms, openings, tuple(items))
-
-
-_BED = ("day", "bed", Box((4.0, 1.3, 0.0), (1.6, 2.1, 1.0), 90.0))
-
-
-def _repaired(home: SceneGraph, decided: Sequence[str] = ()) -> SceneGraph:
-    ids = [room.id for room in home.rooms]
-    return put_back(home, home, ids, decided, lambda house: house)
-
-
-def test_a_home_without_a_living_room_lives_where_it_sleeps() -> None:
-    """Seats, a table for both, a television, wardrobes, and shoes at a front door into a kitchen;
-    nothing in rooms that somebody decides on."""
-    home = _home(_BED)
-    after = _repaired(home)
-    broken = {finding.rule for finding in judged_home(view_home(after)).findings}
-    assert not broken & {DINERS, TABLE, TELEVISION, WARDROBES, SHOES, LAUNDRY}
-    assert {item.category for item in after.items} & SEATS
-    assert sum(room_faults(after, after.rooms)) <= sum(room_faults(home, home.rooms))
-    assert _repaired(home, [room.id for room in home.rooms]).items == home.items
-
-
-def test_a_table_is_laid_for_all_who_sleep_in_a_home() -> None:
-    """Three chairs at a table of 1.2 m, and beds for five."""
-    beds = [("kitchen", "bed", Box((6.0, y, 0.0), (1.5, 2.0, 1.0), -90.0)) for y in (0.8, 2.4)]
-    table = Box((2.0, 2.0, 0.0), (1.2, 0.8, 0.75), 0.0)
-    chairs = [("day", "chair", Box((x, 1.4, 0.0), (0.45, 0.5, 0.9), 180.0)) for x in (1.7, 2.3)]
-    single = ("kitchen", "bed", Box((7.0, 3.4, 0.0), (0.9, 2.0, 1.0), 90.0))
-    home = _home(("day", "dining_table", table), *chairs, *beds, single, day="dining")
-    view = view_home(_repaired(home)).rooms[0]
-    assert seats_at(view) >= 5
-    assert not [one for judged in judged_room(view) if judged.kind == "dining table"
-                for one in judged.findings if one.unit == "m" and one.need <= 0.75]  # fmt: skip
-
-
-@pytest.mark.parametrize(("day", "mixed"), [("bedroom", "bedroom"), ("dining", None)])
-def test_only_a_home_without_a_room_to_live_in_has_a_table_among_beds(
-    day: RoomKind, mixed: RoomKind | None
-) -> None:
-    assert mixed_kind([day, "bedroom", "kitchen", "bathroom"]) == mixed
-    assert stands_in("dining_table", "bedroom", mixed) == (mixed is not None)
-    assert mixed_kind(["bedroom", "bathroom", "corridor"]) is None, "the upper storey of a house"
