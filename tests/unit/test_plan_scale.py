@@ -176,6 +176,43 @@ def test_a_size_may_be_that_of_a_rectangle_in_a_room() -> None:
     assert estimate.m_per_px == pytest.approx(0.01)
 
 
+def test_a_size_has_several_readings_of_which_the_others_choose() -> None:
+    """A bedroom with a built-in wardrobe and a niche: cn_townhouse was read 12 % too large."""
+    ring = [[0, 0], [240, 0], [240, 310], [150, 310], [150, 400], [0, 400]]
+    texts = [text_at("2.40 x 3.10", 120, 150), text_at("3.80 x 3.10", 500, 150)]
+    found = estimates(
+        texts,
+        [np.array(ring, float), np.array([[310, 0], [690, 0], [690, 310], [310, 310]], float)],
+    )
+    assert choose_scale(found, doors=0.0108, walls=0.012).m_per_px == pytest.approx(0.01, rel=0.01)
+
+
+def test_a_size_in_one_of_many_parts_of_a_floor_is_heard() -> None:
+    teeth = [
+        [x, y]
+        for n in range(6)
+        for x, y in ((40 * n, 0), (40 * n + 20, 0), (40 * n + 20, 20), (40 * n + 40, 20))
+    ]
+    ring = np.array([*teeth, [600, 20], [600, 800], [400, 800], [400, 420], [0, 420]], float)
+    texts = [text_at("2.00 x 3.80", 500, 600), text_at("6.00 x 4.00", 300, 300)]
+    scales = [e.m_per_px for e in estimates(texts, [ring]) if e.text == "2.00 x 3.80"]
+    assert any(value == pytest.approx(0.01, rel=0.03) for value in scales)
+
+
+def test_an_area_printed_under_a_plan_is_of_all_within_its_outer_walls() -> None:
+    rooms = [
+        np.array([[at, 0], [at + 300, 0], [at + 300, 500], [at, 500]], float) for at in (0, 312)
+    ]
+    texts = [
+        text_at("423 sq. ft", 300, 560),
+        text_at("(39.29 sq. m)", 300, 580),
+        text_at("60 m²", 900, 560),
+    ]
+    (estimate,) = estimates(texts, rooms)
+    assert estimate.witness == "floor area"
+    assert estimate.m_per_px == pytest.approx((39.29 / (612 * 500)) ** 0.5, rel=0.005)
+
+
 def test_the_only_area_of_a_sheet_may_be_that_of_the_home() -> None:
     rooms = [
         np.array([[at, 0], [at + x, 0], [at + x, 300], [at, 300]], float)

@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from shapely import affinity
+from shapely import affinity, box
 from shapely.ops import unary_union
 
 from chord_usd.base.errors import PlanError
@@ -18,11 +18,12 @@ from chord_usd.base.scene.json_stairs import STAIRS, StoreyPlan, storeys_from_js
 from chord_usd.base.scene.pose import Pose, posed
 from chord_usd.base.scene.stacking import stack
 from chord_usd.base.scene.stair_cells import is_cell
+from chord_usd.base.scene.stair_elements import STEEP, TO_RULE
 from chord_usd.base.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
 from chord_usd.base.scene.stair_places import DRAWN_STAIRS
 from chord_usd.base.scene.stair_spirals import is_round
 from chord_usd.base.scene.storeys import Building
-from chord_usd.base.scene.types import Plan, Room
+from chord_usd.base.scene.types import Plan, Room, RoomKind
 from chord_usd.workshop.data.storey_houses import random_storeys
 
 HOUSES = 24
@@ -189,3 +190,53 @@ def test_a_landing_that_is_too_shallow_is_measured() -> None:
     rooms = tuple(room if is_cell(room) else cut(room) for room in plan.rooms)
     shallow = replace(plan, rooms=rooms, openings=())
     assert landing_depth_m(shallow, climb.built) == pytest.approx(0.5, abs=0.01)
+
+
+def rectangle(name: str, kind: RoomKind, bounds: tuple[float, float, float, float]) -> Room:
+    west, south, east, north = bounds
+    corners = [(west, south), (east, south), (east, north), (west, north)]
+    return Room(name, kind, np.array(corners, float))
+
+
+def hall_house(
+    flight: tuple[float, float, float, float], turned_deg: float, landing_m: tuple[float, float]
+) -> list[StoreyPlan]:
+    """A hall with a landing over a part of it, and a flight that both show, metres."""
+    south, north = landing_m
+    hall = rectangle("hall", "corridor", (0.0, 0.0, 1.9, 5.6))
+    landing = rectangle("landing", "corridor", (0.0, south, 1.9, north))
+    bath = rectangle("bath", "bathroom", (0.0, north + 0.24, 1.9, 5.6))
+    seen = affinity.rotate(box(*flight), turned_deg)
+    noted = [(np.array(seen.exterior.coords)[:-1] * 100).tolist()]
+    plans = [
+        Plan((hall,), (), {DRAWN_STAIRS: noted}),
+        Plan((landing, bath), (), {DRAWN_STAIRS: noted}),
+    ]
+    return [StoreyPlan(plans[0]), StoreyPlan(plans[1], shift_m=(0.0, 0.0))]
+
+
+@pytest.mark.parametrize(
+    ("flight", "landing_m", "is_steep"),
+    [
+        ((-0.05, 0.1, 0.85, 3.8), (0.0, 3.75), False),  # British, and 5 cm in its wall
+        ((-0.05, 1.05, 0.75, 3.5), (1.0, 4.4), True),  # narrow, and too short under a wall
+    ],
+)
+def test_a_flight_as_pictures_show_it_is_built(
+    flight: tuple[float, float, float, float], landing_m: tuple[float, float], is_steep: bool
+) -> None:
+    """uk_kathleenpro: "0.9 by 3.7 m leaves no room for one to rule"; uk_123: 0.8 by 2.6 m."""
+    made = stack(hall_house(flight, 1.0, landing_m))
+    (climb,) = made.climbs
+    assert climb.built.rise_m <= (STEEP if is_steep else TO_RULE).rise_m[1] + 1e-6
+    assert any("is steep" in one for one in made.warnings) == is_steep
+    for storey, area in zip(made.storeys, (climb.built.under_m, climb.built.above_m), strict=True):
+        floors = unary_union([room_polygon(room).buffer(1e-3) for room in storey.plan.rooms])
+        assert area.difference(floors).area < 0.03 * area.area
+
+
+def test_stairs_that_do_not_meet_are_a_warning() -> None:
+    below, above = hall_house((0.0, 0.1, 0.9, 3.7), 0.0, (0.0, 3.75))
+    far = {DRAWN_STAIRS: [[[0, 520], [90, 520], [90, 560], [0, 560]]]}
+    made = stack([replace(below, plan=replace(below.plan, extra=far)), above])
+    assert "do not lie over each other" in made.warnings[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from chord_usd.base.scene.limits import MOST_STOREYS
 from chord_usd.base.scene.pose import Pose, posed
 from chord_usd.base.scene.registration import Registration, register
 from chord_usd.base.scene.stair_cells import Cell, with_cell
-from chord_usd.base.scene.stair_elements import Stair
+from chord_usd.base.scene.stair_elements import STEEP, Stair
 from chord_usd.base.scene.stair_forms import build_stair
 from chord_usd.base.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
 from chord_usd.base.scene.stair_places import drawn_stairs, grown_stair, seen_on_both
@@ -136,14 +136,28 @@ def _from_drawings(
         found = registered[index]
         shown.append(drawn_stairs(given[index].plan, found.shift_m if found else (0.0, 0.0)))
     areas = sorted(seen_on_both(*shown), key=lambda area: -area.area)
+    if not areas and all(shown):
+        pair = f"{_title(given, low)} and {_title(given, low + 1)}"
+        return [], [f"the stairs drawn on {pair} do not lie over each other"]
     for number, area in enumerate(areas, start=1):
         stair = grown_stair(area, f"stair{number}", *plans, STOREY_M)
         if stair is not None:
-            return [stair], []
+            return [stair], list(_steepness(stair))
     return [], [
         f"the stair drawn on {_title(given, low)} ({_sides(area)} m) leaves no room for one to rule"
         for area in areas[:1]
     ]
+
+
+def _steepness(stair: Stair) -> Iterator[str]:
+    """What to say of a stair that keeps the rule of steep ones."""
+    if stair.rule == STEEP:
+        built = build_stair(stair, STOREY_M)
+        width_m = min(flight.width_m for flight in built.flights)
+        yield (
+            f"stair {stair.id} is steep, as it is drawn: rises of {built.rise_m * 100:.0f} cm, "
+            f"goings of {built.going_m * 100:.0f} cm, {width_m:.2f} m wide"
+        )
 
 
 def _sides(area: Polygon) -> str:

@@ -26,11 +26,24 @@ IFC_FORMS: dict[StairForm, str] = {
 Turn = Literal["left", "right"]
 Leads = Literal["up", "down"]
 
-RISE_M = (0.16, 0.20)
-GOING_M = (0.24, 0.30)
 HEADROOM_M = 2.0
-LEAST_WIDTH_M = 0.8
-"""Of a flight, from side to side."""
+
+
+@dataclass(frozen=True)
+class StairRule:
+    """What a stair keeps, metres."""
+
+    rise_m: tuple[float, float]
+    going_m: tuple[float, float]
+    width_m: float
+    """Of a flight, from side to side, at least."""
+
+
+TO_RULE = StairRule((0.16, 0.20), (0.24, 0.30), 0.8)
+STEEP = StairRule((0.16, 0.22), (0.22, 0.30), 0.65)
+"""What a steep stair of an old house keeps: the steepest that British rules know (Approved Document
+K), and narrower."""
+RISE_M, GOING_M, LEAST_WIDTH_M = TO_RULE.rise_m, TO_RULE.going_m, TO_RULE.width_m
 
 WELL_M = 0.1
 """Between the two flights of a U."""
@@ -51,6 +64,7 @@ class Stair:
     """Which way one turns going up, where one turns."""
     leads: Leads = "up"
     """To the storey above, or to the one below."""
+    rule: StairRule = TO_RULE
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,14 +18,13 @@ from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import polygons_of, to_world
 from chord_usd.base.scene.stair_elements import (
     CEILING_TO_FLOOR_M,
-    GOING_M,
     HEADROOM_M,
-    LEAST_WIDTH_M,
-    RISE_M,
+    TO_RULE,
     WELL_M,
     Flight,
     Stair,
     StairForm,
+    StairRule,
     Tread,
 )
 from chord_usd.base.scene.stair_spirals import RIM_M, least_spiral_m, spirals
@@ -192,17 +191,18 @@ class BuiltStair:
 def build_stair(stair: Stair, height_m: float) -> BuiltStair:
     """The steps of a stair that rises so much. Raises PlanError where no stair to rule fits."""
     width_m, depth_m = stair.box.size_m[:2]
-    layouts = list(_layouts(stair.form, width_m, depth_m, height_m))
-    fitting = [one for one in layouts if one.going_m >= GOING_M[0] - 1e-6]
+    rule = stair.rule
+    layouts = list(_layouts(stair.form, width_m, depth_m, height_m, rule))
+    fitting = [one for one in layouts if one.going_m >= rule.going_m[0] - 1e-6]
     if not fitting:
         raise PlanError(
             f"a {stair.form} stair of {width_m:.2f} by {depth_m:.2f} m cannot rise {height_m:.2f} m"
             + (f": its steps would be {max(one.going_m for one in layouts) * 100:.0f} cm deep"
                if layouts else f": {_TOO_SMALL.get(stair.form, _TOO_SMALL['L'])}"),
             where=stair.id,
-            expected=f"rises of {RISE_M[0] * 100:.0f} to {RISE_M[1] * 100:.0f} cm, goings of "
-            f"{GOING_M[0] * 100:.0f} to {GOING_M[1] * 100:.0f} cm, flights of "
-            f"{LEAST_WIDTH_M * 100:.0f} cm or more"
+            expected=f"rises of {rule.rise_m[0] * 100:.0f} to {rule.rise_m[1] * 100:.0f} cm, "
+            f"goings of {rule.going_m[0] * 100:.0f} to {rule.going_m[1] * 100:.0f} cm, flights of "
+            f"{rule.width_m * 100:.0f} cm or more"
             + (f": a square of {least_square_m(height_m):.2f} m" if stair.form == "spiral" else ""),
         )  # fmt: skip
     best = min(fitting, key=lambda one: (_strain(one, height_m), one.risers))
@@ -216,21 +216,20 @@ def build_stair(stair: Stair, height_m: float) -> BuiltStair:
     return BuiltStair(stair, height_m, rise_m, best.going_m, tuple(treads), flights, tuple(turn))
 
 
-def least_run_m(height_m: float) -> float:
-    """Length of the shortest straight stair to rule that rises so much."""
-    return (math.ceil(height_m / RISE_M[1] - 1e-9) - 1) * GOING_M[0]
+def least_run_m(height_m: float, rule: StairRule = TO_RULE) -> float:
+    """Length of the shortest straight stair that keeps a rule and rises so much."""
+    return (math.ceil(height_m / rule.rise_m[1] - 1e-9) - 1) * rule.going_m[0]
 
 
 @cache
 def least_square_m(height_m: float) -> float:
     """Side of the least square in which a spiral stair to rule rises so much."""
-    return least_spiral_m(height_m, _risers(height_m))
+    return least_spiral_m(height_m, _risers(height_m, TO_RULE))
 
 
-def _risers(height_m: float) -> range:
-    return range(
-        math.ceil(height_m / RISE_M[1] - 1e-9), math.floor(height_m / RISE_M[0] + 1e-9) + 1
-    )
+def _risers(height_m: float, rule: StairRule) -> range:
+    least_m, most_m = rule.rise_m
+    return range(math.ceil(height_m / most_m - 1e-9), math.floor(height_m / least_m + 1e-9) + 1)
 
 
 class _Division(Protocol):
@@ -292,44 +291,44 @@ class _Layout:
         return flights, [Tread(landing, middle_m, is_landing=True)], turn
 
 
-def _straight(width_m: float, depth_m: float, risers: int) -> Iterator[_Layout]:
-    if width_m >= LEAST_WIDTH_M - 1e-6 and risers > 1:
-        going_m = min(GOING_M[1], depth_m / (risers - 1))
+def _straight(width_m: float, depth_m: float, risers: int, rule: StairRule) -> Iterator[_Layout]:
+    if width_m >= rule.width_m - 1e-6 and risers > 1:
+        going_m = min(rule.going_m[1], depth_m / (risers - 1))
         yield _Layout("straight", width_m, depth_m, risers, risers, going_m, width_m)
 
 
-def _u(width_m: float, depth_m: float, risers: int) -> Iterator[_Layout]:
+def _u(width_m: float, depth_m: float, risers: int, rule: StairRule) -> Iterator[_Layout]:
     flight_m = (width_m - WELL_M) / 2
-    if flight_m < LEAST_WIDTH_M - 1e-6 or risers % 2 or risers < 4:
+    if flight_m < rule.width_m - 1e-6 or risers % 2 or risers < 4:
         return
-    going_m = min(GOING_M[1], (depth_m - flight_m) / (risers // 2 - 1))
+    going_m = min(rule.going_m[1], (depth_m - flight_m) / (risers // 2 - 1))
     yield _Layout("U", width_m, depth_m, risers, risers // 2, going_m, flight_m)
 
 
-def _l(width_m: float, depth_m: float, risers: int) -> Iterator[_Layout]:
+def _l(width_m: float, depth_m: float, risers: int, rule: StairRule) -> Iterator[_Layout]:
     flight_m = min(_L_WIDTH_M, width_m / 2, depth_m / 2)
-    if flight_m < LEAST_WIDTH_M - 1e-6:
+    if flight_m < rule.width_m - 1e-6:
         return
     for first in range(2, risers - 1):
-        going_m = min(GOING_M[1], (depth_m - flight_m) / (first - 1),
+        going_m = min(rule.going_m[1], (depth_m - flight_m) / (first - 1),
                       (width_m - flight_m) / (risers - first - 1))  # fmt: skip
         yield _Layout("L", width_m, depth_m, risers, first, going_m, flight_m)
 
 
-_LAYOUTS: dict[StairForm, Callable[[float, float, int], Iterator[_Division]]] = {
+_LAYOUTS: dict[StairForm, Callable[[float, float, int, StairRule], Iterator[_Division]]] = {
     "straight": _straight, "L": _l, "U": _u, "winder_L": quarter_winders, "winder_U": half_winders,
 }  # fmt: skip
 
 
 def _layouts(
-    form: StairForm, width_m: float, depth_m: float, height_m: float
+    form: StairForm, width_m: float, depth_m: float, height_m: float, rule: StairRule
 ) -> Iterator[_Division]:
     """All divisions of a box. Those of a spiral stair need to know how much lies a turn below."""
-    for risers in _risers(height_m):
+    for risers in _risers(height_m, rule):
         if form == "spiral":
             yield from spirals(width_m, depth_m, risers, height_m)
         else:
-            yield from _LAYOUTS[form](width_m, depth_m, risers)
+            yield from _LAYOUTS[form](width_m, depth_m, risers, rule)
 
 
 def _strain(layout: _Division, height_m: float) -> float:

@@ -14,8 +14,18 @@ from shapely.ops import unary_union
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import polygons_of, room_polygon, to_own, to_world
 from chord_usd.base.scene.stair_cells import is_cell, with_cell
-from chord_usd.base.scene.stair_elements import LEAST_WIDTH_M, WELL_M, Stair, StairForm, Turn
+from chord_usd.base.scene.stair_elements import (
+    LEAST_WIDTH_M,
+    STEEP,
+    TO_RULE,
+    WELL_M,
+    Stair,
+    StairForm,
+    StairRule,
+    Turn,
+)
 from chord_usd.base.scene.stair_forms import BuiltStair, build_stair, least_run_m, least_square_m
+from chord_usd.base.scene.stair_landings import LEAST_LANDING_M
 from chord_usd.base.scene.stair_spirals import RIM_M, is_round
 from chord_usd.base.scene.types import Box, FloatArray, Plan, Room, frozen_array
 from chord_usd.base.scene.units import m_from_cm
@@ -35,20 +45,29 @@ _ALONG = 0.5
 """Cosine: a straight stair goes up no more slantwise than this against what its steps say."""
 
 
+_TURN_M = 1.0
+"""Between what two storeys show of the ends of one stair: where it turns."""
+
 _GROWN_M = tuple(0.1 * step for step in range(13))
 """How much longer than drawn a stair may become: many are drawn shorter than they are built."""
 
-_LEAST_M: dict[StairForm, float] = {
-    "straight": LEAST_WIDTH_M, "L": 2 * LEAST_WIDTH_M, "U": 2 * LEAST_WIDTH_M + WELL_M,
-    "winder_L": LEAST_WIDTH_M, "winder_U": 2 * LEAST_WIDTH_M + WELL_M,
+_FLIGHTS_WIDE: dict[StairForm, int] = {
+    "straight": 1, "L": 2, "U": 2, "winder_L": 1, "winder_U": 2
 }  # fmt: skip
-"""Widths of stairs."""
+_WITH_WELL: tuple[StairForm, ...] = ("U", "winder_U")
 _WIDENED_M = 0.3
 """Drawn narrower than that by no more than this, they are made so wide; spiral stairs, as wide as
 the least of them."""
 
 _IN_ONE_ROOM = 0.97
 """Share of a stair that grew that must lie in one room of each storey, clear of walls."""
+
+_ASIDE_M, _STRIP_M, _FREE_SHARE, _MOSTLY = 0.3, 0.02, 0.93, 0.6
+"""How far beside what was seen floor is looked for, in strips of which this share must be free;
+and how much of what was seen must stand on floor that both storeys have."""
+
+_ASKEW_DEG = 3.0
+"""Of what is drawn along an axis a picture shows the outline no more askew."""
 
 _STAIRWELL_M2 = 1.0
 
@@ -71,6 +90,7 @@ class StairShape:
     """Those that the file speaks of; none where it does not say."""
     others: bool = True
     """Whether other forms are tried, too."""
+    rule: StairRule = TO_RULE
 
 
 def drawn_stairs(plan: Plan, shift_m: tuple[float, float] = (0.0, 0.0)) -> list[Polygon]:
@@ -84,10 +104,14 @@ def drawn_stairs(plan: Plan, shift_m: tuple[float, float] = (0.0, 0.0)) -> list[
 
 def seen_on_both(below: Sequence[Polygon], above: Sequence[Polygon]) -> list[Polygon]:
     """Stairs between two storeys: what both show at one place, as far as either shows it; where
-    only one shows stairs, those. A long one is no wider than both show it: walls are beside it."""
+    only one shows stairs, those. A long one is no wider than both show it: walls are beside it.
+    Where each shows one end of a stair that turns, its ends are near each other."""
     if not below or not above:
         return [*below, *above]
-    return [_together(low, high) for low in below for high in above if low.intersects(high)]
+    pairs = [(low, high) for low in below for high in above]
+    at_once = [pair for pair in pairs if pair[0].intersects(pair[1])]
+    ends = [pair for pair in pairs if pair[0].distance(pair[1]) < _TURN_M]
+    return [_together(low, high) for low, high in at_once or ends]
 
 
 def _together(low: Polygon, high: Polygon) -> Polygon:
@@ -119,19 +143,96 @@ def grown_stair(
     area: Polygon, name: str, lower: Plan, upper: Plan, height_m: float
 ) -> Stair | None:
     """As placed_stair, for one seen on a picture: as much longer as it has to be, and can be;
-    what is drawn round as a spiral stair, with winders where no other fits."""
+    what is drawn round as a spiral stair, with winders where no other fits; steeper and narrower
+    than the rule where none to rule fits."""
+    clear = _clear_of_walls(area, lower, upper)
     likely = _likely(StairShape(area))
     kinds = [
         tuple(form for form in likely if form == "spiral"),
         tuple(form for form in likely if form not in (*_WINDERS, "spiral")),
         _WINDERS,
     ]
-    for forms, more_m in itertools.product(filter(None, kinds), _GROWN_M):
-        shape = StairShape(area, forms=forms, others=False)
+    places = [area, *(_with_landing(clear) if clear is not area else [])]
+    ways = itertools.product((TO_RULE, STEEP), places, filter(None, kinds), _GROWN_M)
+    for rule, seen, forms, more_m in ways:
+        shape = StairShape(seen, forms=forms, others=False, rule=rule)
         stair = placed_stair(shape, name, lower, upper, height_m, more_m)
         if stair is not None:
             return stair
     return None
+
+
+def _clear_of_walls(area: Polygon, lower: Plan, upper: Plan) -> Polygon:
+    """A long stair that was seen, as wide as the floor that both storeys have there: outlines of
+    pictures lie some centimetres off, and its walls are beside it."""
+    frame = _frame_of(area.minimum_rotated_rectangle)
+    length, width, _ = frame.size_m
+    free = _main_floor(lower, area).intersection(_main_floor(upper, area))
+    if length < _LONG * width or free.intersection(area).area < _MOSTLY * area.area:
+        return area
+    yaw_deg = 90.0 * round(frame.yaw_deg / 90.0)
+    if abs(frame.yaw_deg - yaw_deg) < _ASKEW_DEG:
+        frame = replace(frame, yaw_deg=yaw_deg)
+    along, across = (-length / 2, length / 2), (-width / 2, width / 2)
+    across = _free_run(frame, free, across, along, 1, _MOSTLY)
+    along = _free_run(frame, free, along, across, 0, _FREE_SHARE)
+    across = _free_run(frame, free, across, along, 1, _FREE_SHARE, LEAST_WIDTH_M)
+    corners = [(along[i], across[j]) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    return Polygon(to_world(frame, corners))
+
+
+def _main_floor(plan: Plan, area: Polygon) -> Polygon:
+    """Of the room in which most of an area lies."""
+    floors = map(room_polygon, plan.rooms)
+    return max(floors, key=lambda floor: floor.intersection(area).area)
+
+
+def _free_run(
+    frame: Box,
+    free: Polygon,
+    span: tuple[float, float],
+    aside: tuple[float, float],
+    axis: int,
+    share: float,
+    least_m: float = 0.0,
+) -> tuple[float, float]:
+    """What of a span along an axis of a frame is floor, by strips as long as aside is wide, or a
+    little more where that is less than the least. As given where little of it is floor."""
+    places = np.arange(span[0] - _ASIDE_M, span[1] + _ASIDE_M, _STRIP_M)
+    shares = []
+    for at in places:
+        ends = [
+            (at, aside[0]),
+            (at + _STRIP_M, aside[0]),
+            (at + _STRIP_M, aside[1]),
+            (at, aside[1]),
+        ]
+        strip = Polygon(to_world(frame, ends if axis == 0 else [(y, x) for x, y in ends]))
+        shares.append(strip.intersection(free).area / strip.area)
+    is_free = np.concatenate([[False], np.array(shares) >= share, [False]])
+    starts = np.flatnonzero(is_free[1:] & ~is_free[:-1])
+    stops = np.flatnonzero(is_free[:-1] & ~is_free[1:])
+    pairs = zip(starts, stops, strict=True)
+    runs = [(float(places[a]), float(places[b - 1]) + _STRIP_M) for a, b in pairs]
+    half = (span[1] - span[0]) / 2
+    runs = [run for run in runs if min(run[1], span[1]) - max(run[0], span[0]) > half]
+    if not runs:
+        return span
+    low, high = max(runs[0][0], span[0]), min(runs[0][1], span[1])
+    low = max(runs[0][0], low - max(least_m - (high - low), 0.0))
+    return low, min(runs[0][1], max(high, low + least_m))
+
+
+def _with_landing(area: Polygon) -> list[Polygon]:
+    """A long stair as it was seen, and shorter at either end by a landing."""
+    frame = _frame_of(area.minimum_rotated_rectangle)
+    length, width, _ = frame.size_m
+    if length < _LONG * width or length < 2 * LEAST_LANDING_M:
+        return [area]
+    half, short, aside = length / 2, length / 2 - LEAST_LANDING_M, width / 2
+    ends = [(-half, short), (-short, half)]
+    return [area, *(Polygon(to_world(frame, [(a, -aside), (b, -aside), (b, aside), (a, aside)]))
+                    for a, b in ends)]  # fmt: skip
 
 
 def placed_stair(
@@ -185,13 +286,13 @@ def _grown(stair: Stair, more_m: float | None, height_m: float) -> Iterator[Stai
         yield from _resized(stair, more_m, least_square_m(height_m))
         return
     if stair.form == "straight":
-        spare_m = stair.box.size_m[1] + more_m - least_run_m(height_m)
+        spare_m = stair.box.size_m[1] + more_m - least_run_m(height_m, stair.rule)
         more_m -= min(max(spare_m, 0.0), more_m, _GROWN_M[1])
     (width_m, depth_m, high_m), (x, y, z) = stair.box.size_m, stair.box.center_m
     ahead = np.radians(stair.box.yaw_deg + 90.0)
     back = more_m / 2
     center = (x - back * float(np.cos(ahead)), y - back * float(np.sin(ahead)), z)
-    least_m = _LEAST_M[stair.form]
+    least_m = _FLIGHTS_WIDE[stair.form] * stair.rule.width_m + WELL_M * (stair.form in _WITH_WELL)
     wide_m = max(width_m, least_m) if least_m - width_m < _WIDENED_M else width_m
     size = (wide_m, depth_m + more_m, high_m)
     yield replace(stair, box=replace(stair.box, center_m=center, size_m=size))
@@ -265,4 +366,4 @@ def _candidates(shape: StairShape, name: str) -> Iterator[Stair]:
             continue
         turns: tuple[Turn, ...] = ("right",) if form == "straight" else ("right", "left")
         for turn in turns:
-            yield Stair(name, form, box, turn)
+            yield Stair(name, form, box, turn, rule=shape.rule)

@@ -23,11 +23,10 @@ from shapely.geometry.polygon import orient
 from shapely.ops import substring
 
 from chord_usd.base.scene.stair_elements import (
-    GOING_M,
-    LEAST_WIDTH_M,
     WELL_M,
     Flight,
     StairForm,
+    StairRule,
     Tread,
 )
 
@@ -158,7 +157,9 @@ class WinderLayout:
             yield orient(remove_repeated_points(Polygon(ring), 1e-6)), (edge, other)
 
 
-def quarter_winders(width_m: float, depth_m: float, risers: int) -> Iterator[WinderLayout]:
+def quarter_winders(
+    width_m: float, depth_m: float, risers: int, rule: StairRule
+) -> Iterator[WinderLayout]:
     """The ways to divide a box into the flights and tapered treads of a quarter turn."""
 
     def divided(wide: float) -> Iterator[WinderLayout]:
@@ -168,15 +169,17 @@ def quarter_winders(width_m: float, depth_m: float, risers: int) -> Iterator[Win
             if after >= 0:
                 ways = ((depth_m + spare_m) / (tapered / 2 + before),
                         (width_m + spare_m) / (tapered / 2 + after))  # fmt: skip
-                going_m = min(GOING_M[1], *ways)
+                going_m = min(rule.going_m[1], *ways)
                 yield WinderLayout(
                     "winder_L", width_m, depth_m, risers, before, tapered, going_m, wide
                 )
 
-    yield from _widest(min(width_m, depth_m), divided)
+    yield from _widest(min(width_m, depth_m), divided, rule)
 
 
-def half_winders(width_m: float, depth_m: float, risers: int) -> Iterator[WinderLayout]:
+def half_winders(
+    width_m: float, depth_m: float, risers: int, rule: StairRule
+) -> Iterator[WinderLayout]:
     """The ways to divide a box into the flights and tapered treads of a half turn."""
 
     def divided(wide: float) -> Iterator[WinderLayout]:
@@ -184,35 +187,35 @@ def half_winders(width_m: float, depth_m: float, risers: int) -> Iterator[Winder
         for tapered in _HALF:
             straight = risers - 1 - tapered
             longer = straight - straight // 2
-            going_m = min(GOING_M[1], (depth_m + spare_m) / (tapered / 2 + longer))
+            going_m = min(rule.going_m[1], (depth_m + spare_m) / (tapered / 2 + longer))
             for before in {longer, straight - longer}:
                 yield WinderLayout(
                     "winder_U", width_m, depth_m, risers, before, tapered, going_m, wide
                 )
 
-    yield from _widest((width_m - WELL_M) / 2, divided)
+    yield from _widest((width_m - WELL_M) / 2, divided, rule)
 
 
 def _widest(
-    most_m: float, divided: Callable[[float], Iterator[WinderLayout]]
+    most_m: float, divided: Callable[[float], Iterator[WinderLayout]], rule: StairRule
 ) -> Iterator[WinderLayout]:
     """The layouts with flights as wide as can be, of all that are long enough to turn; those whose
     goings are too small only where there is no other.
 
     most_m: what a flight has room for.
     """
-    if most_m < LEAST_WIDTH_M - 1e-6:
+    if most_m < rule.width_m - 1e-6:
         return
     short: list[WinderLayout] = []
     for wide in sorted({min(most_m, wide) for wide in _WIDTHS_M}, reverse=True):
         long = [one for one in divided(wide) if one.early_m >= 0.0]
-        fit = [one for one in long if one.going_m >= GOING_M[0] - 1e-6]
+        fit = [one for one in long if one.going_m >= rule.going_m[0] - 1e-6]
         short += long
         sound = [one for one in fit if one.narrow_m >= NARROW_M - 1e-6]
         if sound:
             yield from sound
             return
-    yield from (one for one in short if one.going_m < GOING_M[0] - 1e-6)
+    yield from (one for one in short if one.going_m < rule.going_m[0] - 1e-6)
 
 
 def _well_m(width_m: float, wide: float) -> float:

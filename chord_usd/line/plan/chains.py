@@ -34,22 +34,35 @@ class _Length:
 def chain_scales(texts: Sequence[Text]) -> Iterator[tuple[float, str]]:
     """(metres per pixel, what is printed) of each two lengths that follow one another in a row
     along or up the sheet. Where a number between them was not read the scale is wrong."""
+    for _, row in _chains(texts):
+        for one, other in pairwise(row):
+            apart_px = other.along_px - one.along_px
+            if apart_px > max(one.height_px, other.height_px):
+                between_m = (one.length_m + other.length_m) / 2
+                yield between_m / apart_px, f"{one.text} | {other.text}"
+
+
+def chain_lengths(texts: Sequence[Text]) -> Iterator[tuple[float, float, int]]:
+    """(metres, middle in pixels, axis along which it is measured: 0 for x, 1 for y) of each length
+    in a row."""
+    for axis, row in _chains(texts):
+        for one in row:
+            yield one.length_m, one.along_px, axis
+
+
+def _chains(texts: Sequence[Text]) -> Iterator[tuple[int, list[_Length]]]:
+    """(axis, lengths in order) of each row of lengths."""
     bare = [int(text.text) for text in texts if _BARE.fullmatch(text.text)]
     are_mm = any(value >= _MM_FROM for value in bare) or any(
         _THOUSANDS.fullmatch(text.text) for text in texts
     )
-    for upright in (False, True):
+    for axis in (0, 1):
         found = [
             length
             for text in texts
-            if text.is_upright == upright and (length := _length(text, are_mm)) is not None
+            if text.is_upright == (axis == 1) and (length := _length(text, are_mm)) is not None
         ]
-        for row in _rows(found):
-            for one, other in pairwise(row):
-                apart_px = other.along_px - one.along_px
-                if apart_px > max(one.height_px, other.height_px):
-                    between_m = (one.length_m + other.length_m) / 2
-                    yield between_m / apart_px, f"{one.text} | {other.text}"
+        yield from ((axis, row) for row in _rows(found))
 
 
 def _length(text: Text, are_mm: bool) -> _Length | None:

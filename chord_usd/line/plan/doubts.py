@@ -24,11 +24,13 @@ from chord_usd.base.scene.types import (
     RoomKind,
 )
 from chord_usd.base.scene.units import m_from_px, px_from_m
+from chord_usd.line.plan.fitted import Fit
 from chord_usd.line.plan.labels import texts_in
 from chord_usd.line.plan.measures import distinct, parse_measure
 from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.parts import built_parts
 from chord_usd.line.plan.regions import Regions
+from chord_usd.line.plan.scale_choice import CHECK_SCALE
 from chord_usd.line.plan.text import Text
 
 OF_SEVERAL = "what is printed there is of several rooms"
@@ -45,6 +47,9 @@ _UNCERTAIN_ROOM = 0.6
 """Least chance of an opening, and of a room's floor and rim, that goes without a word."""
 
 _MOST_LISTED = 6
+
+_MANY_MISFITS = 0.4
+"""Share of printed sizes that do not fit from which on the scale may be wrong."""
 
 _MOST_NAMES = 4
 """An open plan has up to three names; more are a sign of walls that were not seen."""
@@ -144,6 +149,19 @@ def doubts(plan: Plan, regions: Regions, named: NamedRooms, frame: PixelFrame) -
     if sides:
         told.append(f"{CUT_OFF} at its {' and '.join(sides)} edge")
     return told
+
+
+def doubts_of_sizes(plan: Plan, fit: Fit, frame: PixelFrame) -> Iterator[str]:
+    """Printed sizes that do not fit the rooms in which they stand."""
+    if len(fit.misfits) > _MANY_MISFITS * fit.printed:
+        count = len(fit.misfits)
+        yield f"{count} of {fit.printed} printed sizes do not fit what was read: {CHECK_SCALE}"
+    for one in fit.misfits[:_MOST_LISTED]:
+        place = Point(*m_from_px(np.array(one.at_px), frame))
+        room = min(plan.rooms, key=lambda room: room_polygon(room).distance(place))
+        unit = "m²" if one.kind == "area" else "m"
+        read = " x ".join(f"{value:.2f}" for value in one.read_m)
+        yield f"{room.id}: {one.text!r} is printed there, {read} {unit} was read"
 
 
 def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:

@@ -39,7 +39,14 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.base.scene.units import cm_from_m, m_from_px
-from chord_usd.line.plan.doubts import doubts, is_all_guessed, named_rooms, refuse_nonsense
+from chord_usd.line.plan.doubts import (
+    doubts,
+    doubts_of_sizes,
+    is_all_guessed,
+    named_rooms,
+    refuse_nonsense,
+)
+from chord_usd.line.plan.fitted import Fit, fit
 from chord_usd.line.plan.floor_parts import part_floors
 from chord_usd.line.plan.home_graph import dwellings_of, work_names
 from chord_usd.line.plan.home_uses import Floor, Uses, speaking, uses_of_home
@@ -66,7 +73,7 @@ _SURROUNDED_M2 = 1.0
 
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
-
+_READINGS = 2
 
 _BESIDE_SHARE = 0.3
 """Of a plan's longer side: dimensions stand so near to it."""
@@ -213,9 +220,17 @@ def _read_part(page: _Page) -> _Found:
     """One plan of a sheet, with its scale, names and doubts. Raises PlanError."""
     reading, told = _take_part(read_seen(page.segments, page.given), page.part)
     scale = _scale(reading, page)
-    if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) > _REREAD:
+    for _ in range(_READINGS):
+        if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) <= _REREAD:
+            break
         reading, told = _take_part(reading.again(scale.m_per_px), page.part)
+        # What is a room says, in turn, which printed sizes are heard.
+        again = _scale(reading, page)
+        scale = again if again.is_printed else scale
     page = replace(page, is_home=page.is_home and not told)
+    fitted = _fitted(reading, page, scale.m_per_px) if scale.is_printed else None
+    if fitted is not None:
+        reading, scale = reading.with_fit(fitted), replace(scale, m_per_px=fitted.m_per_px)
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
     refuse_nonsense([o.polygon_px for o in reading.outlines], reading.regions, frame)
     seen = seen_kinds(page.segments.kinds, frame)
@@ -226,7 +241,12 @@ def _read_part(page: _Page) -> _Found:
     sheet = page.sheet
     drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
     rooms = named_rooms(plan, page.texts, frame)
-    told += [*scale.warnings(), *doubts(plan, reading.regions, rooms, frame), *parted]
+    told += [
+        *scale.warnings(),
+        *(doubts_of_sizes(plan, fitted, frame) if fitted is not None else ()),
+        *doubts(plan, reading.regions, rooms, frame),
+        *parted,
+    ]
     entry = {**placement(drawing)[DRAWING], **sheet.straightening.entry()}
     stairs = _stairs(plan, page, frame)
     extra: dict[str, Any] = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
@@ -276,6 +296,13 @@ def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]
         return chosen, []
     which = "the largest was taken" if part == 1 else f"number {part} by size was taken"
     return chosen, [f"{_SHOWS}{len(parts)} plans; {which}, --part N takes another"]
+
+
+def _fitted(reading: SeenReading, page: _Page, m_per_px: float) -> Fit:
+    """Walls where printed sizes put them, which say the scale, too."""
+    polygons = [outline.polygon_px for outline in reading.outlines]
+    texts, thickness = _beside(page.texts, polygons), reading.regions.thickness_px
+    return fit(polygons, reading.openings, texts, m_per_px, thickness)
 
 
 def _scale(reading: SeenReading, page: _Page) -> Scale:

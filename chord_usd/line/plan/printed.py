@@ -12,11 +12,12 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 from shapely.geometry import Point, Polygon
+from shapely.ops import unary_union
 
 from chord_usd.base.scene.types import BoolArray, FloatArray
 from chord_usd.line.plan.chains import chain_scales
 from chord_usd.line.plan.measures import M_PER_FOOT, Measure, distinct, parse_measure
-from chord_usd.line.plan.room_sizes import scale_by_sides
+from chord_usd.line.plan.room_sizes import scales_by_sides
 from chord_usd.line.plan.text import Text
 
 _REACH = 2.5
@@ -28,6 +29,9 @@ _SHORTEST_LINE = 1.5
 _TICK_REACH_PX = 4
 _BREAK_PX = 3
 
+_BETWEEN_SHARE = 0.03
+"""Of a plan's longer side are at most half of the walls between its rooms thick."""
+
 _BAR_NUMBERS = 3
 _BAR_SLACK = 0.05
 
@@ -37,8 +41,11 @@ STATED = "stated scale"
 CHAINS = "dimension chains"
 """Witness: lengths printed in a row."""
 
-_HOME_M2 = 25.0
+HOME_M2 = 25.0
 """From this area on, one may be printed for a whole home."""
+
+FLOOR_AREA = "floor area"
+"""Witness: the area of all that the outer walls surround, printed under or over a plan."""
 
 _NAMES = {"size": "room sizes", "area": "room areas", "length": "dimension lines"}
 
@@ -54,6 +61,8 @@ class Estimate:
     """What is printed."""
     is_sure: bool = True
     """False where the unit is a guess."""
+    choices: int = 1
+    """Readings of this measure, of which one at most is right."""
 
 
 def estimates(
@@ -65,6 +74,7 @@ def estimates(
     """
     rooms = [Polygon(polygon) for polygon in polygons_px]
     found = [*_from_rooms(texts, rooms), *_from_bar(texts)]
+    found += _from_titles(texts, rooms)
     found += [Estimate(CHAINS, scale, said) for scale, said in chain_scales(texts)]
     if ink is None:
         return found
@@ -85,11 +95,14 @@ def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Est
             printed[inside][measure] = text
     for index, said in printed.items():
         kept = distinct(list(said))
+        sizes = sum(measure.kind == "size" for measure in kept)
         for measure in kept:
             if measure.kind == "size":
-                scale = scale_by_sides(rooms[index], measure.values, said[measure].center_px)
-                if scale is not None:
-                    yield Estimate(_NAMES["size"], scale, said[measure].text)
+                text, sides = said[measure].text, measure.values
+                at = said[measure].center_px
+                scales = scales_by_sides(rooms[index], sides, at, sizes)
+                for scale in scales:
+                    yield Estimate(_NAMES["size"], scale, text, choices=len(scales))
         # An open plan may name the area of each of its parts.
         areas = [measure for measure in kept if measure.kind == "area"]
         if areas:
@@ -97,7 +110,7 @@ def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Est
             together = " + ".join(said[measure].text for measure in areas)
             yield Estimate(_NAMES["area"], math.sqrt(total / rooms[index].area), together)
     areas = [m for said in printed.values() for m in distinct(list(said)) if m.kind == "area"]
-    if len(areas) == 1 and areas[0].values[0] >= _HOME_M2:
+    if len(areas) == 1 and areas[0].values[0] >= HOME_M2:
         # The only area of a sheet may be that of all rooms.
         total_px = sum(room.area for room in rooms)
         yield Estimate(
@@ -105,6 +118,29 @@ def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Est
             math.sqrt(areas[0].values[0] / total_px),
             f"{areas[0].values[0]:g} m2 in all",
         )
+
+
+def _from_titles(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Estimate]:
+    """From the one area that is printed under or over a plan, of all within its outer walls."""
+    if not rooms:
+        return
+    west, north, east, south = unary_union(rooms).bounds
+    said = {
+        measure: text
+        for text in texts
+        if (measure := parse_measure(text.text)) is not None
+        and measure.kind == "area"
+        and measure.values[0] >= HOME_M2
+        and west < text.center_px[0] < east
+        and not north < text.center_px[1] < south
+    }
+    areas = distinct(list(said))
+    if len(areas) == 1:
+        reach = _BETWEEN_SHARE * max(east - west, south - north)
+        within = unary_union([room.buffer(reach, join_style="mitre") for room in rooms])
+        floor = within.buffer(-reach, join_style="mitre").area
+        scale = math.sqrt(areas[0].values[0] / floor)
+        yield Estimate(FLOOR_AREA, scale, said[areas[0]].text)
 
 
 # Dimension lines ---------------------------------------------------------------------------------

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from shapely.geometry import Polygon, box
+from shapely.prepared import prep as prepared
 
 from chord_usd.base.scene.types import FloatArray
 
@@ -19,22 +20,27 @@ _LEAST_SHARE = 0.4
 """Of a room's floor is the rectangle whose size is printed."""
 _TORN_SHARE = 0.02
 """Of the room's longer side: corners that are nearer are one."""
-_MOST_PLACES = 10
+_MOST_PLACES = 24
+_ALIKE = math.log(1.03)
+_MOST_READINGS = 3
+"""Of one size: more say nothing."""
 
 
-def scale_by_sides(room: Polygon, sides_m: Sequence[float], at_px: FloatArray) -> float | None:
-    """Metres per pixel, if the room, or else the largest rectangle within it that holds the text at
-    at_px (2,), has the proportions of these sides."""
+def scales_by_sides(
+    room: Polygon, sides_m: Sequence[float], at_px: FloatArray, sizes: int = 1
+) -> list[float]:
+    """Metres per pixel by each rectangle that has the proportions of these sides, the likeliest
+    first: all of the room, and those within it that hold the text at at_px (2,).
+
+    sizes: how many are printed in the room.
+    """
     whole = _scale(room.bounds, sides_m, _MOST_MISMATCH)
-    if whole is not None:
-        return whole
-    reach = _TORN_SHARE * max(np.ptp(np.array(room.bounds).reshape(2, 2), axis=0))
-    inner = room.buffer(reach)
-    for bounds in _rectangles(room, at_px, reach):
+    found = [] if whole is None else [whole]
+    for bounds in rectangles_in(room, sides_m, at_px, _PART_MISMATCH, sizes):
         scale = _scale(bounds, sides_m, _PART_MISMATCH)
-        if scale is not None and inner.covers(box(*bounds)):
-            return scale
-    return None
+        if scale is not None and all(abs(math.log(scale / one)) > _ALIKE for one in found):
+            found.append(scale)
+    return found[:_MOST_READINGS]
 
 
 def _scale(
@@ -50,21 +56,32 @@ def _scale(
     return scale if mismatch < most else None
 
 
-def _rectangles(
-    room: Polygon, at_px: FloatArray, reach: float
+def rectangles_in(
+    room: Polygon, sides_m: Sequence[float], at_px: FloatArray, most: float, sizes: int = 1
 ) -> Iterator[tuple[float, float, float, float]]:
-    """Bounds between the room's corners, the largest first."""
+    """Bounds of rectangles between the room's corners that hold a place (2,), the largest first:
+    those whose proportions are those of two sides to within most, a logarithm."""
+    reach = _TORN_SHARE * max(np.ptp(np.array(room.bounds).reshape(2, 2), axis=0))
     corners = np.asarray(room.simplify(reach).exterior.coords)
-    xs, ys = (_places(corners[:, axis], reach) for axis in (0, 1))
     x, y = at_px
+    widths, heights = (
+        [
+            (low, high)
+            for low, high in combinations(_places(corners[:, axis], reach), 2)
+            if low < place < high
+        ]
+        for axis, place in ((0, x), (1, y))
+    )
     found = [
         (west, north, east, south)
-        for west, east in combinations(xs, 2)
-        for north, south in combinations(ys, 2)
-        if west < x < east and north < y < south
+        for (west, east), (north, south) in product(widths, heights)
+        if (east - west) * (south - north) >= _LEAST_SHARE * room.area / sizes
+        and _scale((west, north, east, south), sides_m, most) is not None
     ]
-    large = [one for one in found if _area(one) >= _LEAST_SHARE * room.area]
-    yield from sorted(large, key=_area, reverse=True)
+    inner = prepared(room.buffer(reach))
+    for bounds in sorted(found, key=_area, reverse=True):
+        if inner.covers(box(*bounds)):
+            yield bounds
 
 
 def _area(bounds: tuple[float, float, float, float]) -> float:

@@ -44,7 +44,7 @@ _ODD_SHARE, _ODD_SPREAD = 0.15, 0.6
 
 _TRUST = {
     "room sizes": 3.0, "dimension lines": 2.0, "dimension chains": 2.5, "scale bar": 4.0,
-    "room areas": 1.5, "stated scale": 4.0,
+    "room areas": 1.5, "floor area": 1.5, "stated scale": 4.0,
 }  # fmt: skip
 """Weights in the mean. Areas are rounded, and count wardrobes in some countries only."""
 
@@ -79,6 +79,11 @@ class Scale:
         if self.witness in _CONFIDENCE:
             return _CONFIDENCE[self.witness]
         return min(0.98, 0.6 + 0.12 * self.count) * (0.5 + 0.5 * self.agreement)
+
+    @property
+    def is_printed(self) -> bool:
+        """Whether measures that are printed say it."""
+        return self.witness in _TRUST
 
     def _odd(self, name: str) -> float:
         """How far a witness may differ. Walls are drawn thick and thin; doors know better."""
@@ -151,7 +156,11 @@ def choose_scale(
         unprinted["rooms"] = rooms
     others = {name: value for name, (value, _) in unprinted.items()}
     for name in _TRUST:
-        own = [e.m_per_px for e in printed if e.witness == name and e.is_sure]
+        # The likeliest reading of a measure comes first.
+        likeliest = {
+            e.text: e.m_per_px for e in reversed(printed) if e.witness == name and e.is_sure
+        }
+        own = list(likeliest.values())
         if len(own) >= _LEAST_HEARD.get(name, 1):
             others[name] = float(np.median(own))
     if given:
@@ -212,7 +221,7 @@ def _nats_read(printed: Sequence[Estimate], own: BoolArray) -> float:
     for witness in {e.witness for e in printed}:
         said = {e.text for e in printed if e.witness == witness}
         agree = {
-            e.text: e.is_sure
+            e.text: e
             for e, is_own in zip(printed, own, strict=True)
             if is_own and e.witness == witness
         }
@@ -220,9 +229,9 @@ def _nats_read(printed: Sequence[Estimate], own: BoolArray) -> float:
             continue
         share = len(agree) / len(said)
         missing = len(said) - len(agree)
-        nats = len(agree) * math.log(share / _CHANCE)
+        nats = sum(math.log(share / (_CHANCE * e.choices)) for e in agree.values())
         nats += missing * math.log(1 - share) if missing else 0.0
-        sure = (1 + sum(agree.values()) / len(agree)) / 2
+        sure = (1 + sum(e.is_sure for e in agree.values()) / len(agree)) / 2
         total += sure * max(nats, 0.0)
     return total
 

@@ -14,6 +14,7 @@ from chord_usd.base.scene.types import (
     Opening,
     PixelFrame,
 )
+from chord_usd.line.plan.fitted import Fit
 from chord_usd.line.plan.openings import openings_of
 from chord_usd.line.plan.regions import Outline, Regions, find_regions, room_outlines
 from chord_usd.line.plan.scale_choice import USUAL_DOOR_M
@@ -69,6 +70,12 @@ class SeenReading:
         ]
         outlines = [self.outlines[room] for room in rooms]
         return replace(self, outlines=outlines, openings=openings)
+
+    def with_fit(self, fit: Fit) -> SeenReading:
+        """With walls and openings where they were moved to."""
+        pairs = zip(self.outlines, fit.polygons_px, strict=True)
+        outlines = [replace(outline, polygon_px=polygon) for outline, polygon in pairs]
+        return replace(self, outlines=outlines, openings=fit.openings)
 
     def again(self, m_per_px: float) -> SeenReading:
         """At another scale, which changes what is large enough for a room."""

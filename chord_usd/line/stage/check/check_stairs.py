@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from shapely.geometry import LineString
 
-from chord_usd.base.scene.stair_elements import HEADROOM_M, RISE_M
+from chord_usd.base.scene.stair_elements import HEADROOM_M, STEEP
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.line.stage.check.check_scene import StageScene, StageStair
 
@@ -54,7 +54,7 @@ def _faults(
             yield f"has nothing to stand on {along:.1f} m along the way"
             return
         step = float(stood.max()) - height_m
-        if abs(step) > RISE_M[1] + _SLACK_M:
+        if abs(step) > STEEP.rise_m[1] + _SLACK_M:
             yield f"has a step of {step * 100:.0f} cm {along:.1f} m along the way"
             return
         height_m = float(stood.max())
