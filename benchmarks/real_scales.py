@@ -2,7 +2,7 @@
 
     python benchmarks/real_scales.py FOLDER
 
-FOLDER holds the readings of the files in real_scales.tsv: `chord-usd plan read FILE -o FOLDER/STEM.json`.
+FOLDER holds what `chord-usd plan read FILE -o FOLDER/STEM.json` made of the files of real_scales.tsv.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ def main(folder: Path) -> None:
     """Print a line a file, and how many are near, and far without a warning."""
     with Path(__file__).with_suffix(".tsv").open(newline="") as file:
         rows = list(csv.DictReader(file, delimiter="\t"))
-    near = silent = read = 0
+    lines, near, silent, read = [], 0, 0, 0
     for row in rows:
         path = folder / f"{Path(row['file']).stem}.json"
         if not path.exists():
-            print(f"{row['file']}: not read")
+            lines.append(f"{row['file']}: not read")
             continue
         plan = json.loads(path.read_text())
         off = float(plan["scale"]["mPerPx"]) / float(row["m_per_px"]) - 1
@@ -32,8 +32,9 @@ def main(folder: Path) -> None:
         near += abs(off) <= NEAR
         silent += abs(off) > FAR and not is_told
         witness = plan["scale"]["witness"]
-        print(f"{row['file']}: {off:+.1%} by {witness}{', warned' if is_told else ''}")
-    print(f"within {NEAR:.0%}: {near} of {read}; beyond {FAR:.0%} without a warning: {silent}")
+        lines.append(f"{row['file']}: {off:+.1%} by {witness}{', warned' if is_told else ''}")
+    lines.append(f"within {NEAR:.0%}: {near} of {read}; over {FAR:.0%} without a warning: {silent}")
+    sys.stdout.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
