@@ -2,7 +2,7 @@
 
     python benchmarks/real_scales.py FOLDER
 
-FOLDER holds what `chord-usd plan read FILE -o FOLDER/STEM.json` made of the files of real_scales.tsv.
+FOLDER holds what `chord-usd plan read FILE -o FOLDER/STEM.json` made of the files named there.
 """
 
 from __future__ import annotations
