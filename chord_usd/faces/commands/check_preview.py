@@ -74,12 +74,14 @@ def place_of(line: str, graph: SceneGraph) -> tuple[float, float] | None:
     from chord_usd.base.scene.geometry import room_polygon
 
     path = line.split(" ", 1)[0].rstrip(":")
-    for thing in (*graph.items, *graph.dressing, *graph.openings):
-        if path == thing.id or path.startswith(f"{thing.id}/"):
-            x, y = thing.box.center_m[:2]
+    boxes = {item.id: item.box for item in (*graph.items, *graph.dressing)}
+    boxes |= {opening.id: opening.box for opening in graph.openings}
+    for thing, box in boxes.items():
+        if f"{path}/".startswith(f"{thing}/"):
+            x, y = box.center_m[:2]
             return float(x), float(y)
     for room in graph.rooms:
-        if path == room.id or path.startswith(f"{room.id}/"):
+        if f"{path}/".startswith(f"{room.id}/"):
             point = room_polygon(room).representative_point()
             return float(point.x), float(point.y)
     return None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
 from pathlib import Path
 
 import cv2
@@ -96,7 +95,8 @@ def draw_storeys(
 
 def storeys_rgb(graphs: Sequence[SceneGraph], marks: Sequence[Sequence[Mark]] = ()) -> np.ndarray:
     """The picture that draw_storeys writes: (H, W, 3) uint8."""
-    pictures = [preview_rgb(graph, own) for graph, own in zip_longest(graphs, marks, fillvalue=())]
+    marked = marks or [()] * len(graphs)
+    pictures = [preview_rgb(graph, own) for graph, own in zip(graphs, marked, strict=True)]
     height = max(picture.shape[0] for picture in pictures)
     sheet = np.full((height, sum(one.shape[1] for one in pictures), 3), PAPER, dtype=np.uint8)
     left = 0
