@@ -20,6 +20,8 @@ from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.metrics.violations import room_faults
+from chord_usd.base.metrics.walk import ways_shut
+from chord_usd.base.places.free_boxes import is_passage
 from chord_usd.base.scene.types import (
     Box,
     Item,
@@ -113,3 +115,18 @@ def test_only_a_home_without_a_room_to_live_in_has_a_table_among_beds(
     assert mixed_kind([day, "bedroom", "kitchen", "bathroom"]) == mixed
     assert stands_in("dining_table", "bedroom", mixed) == (mixed is not None)
     assert mixed_kind(["bedroom", "bathroom", "corridor"]) is None, "the upper storey of a house"
+
+
+@pytest.mark.parametrize(("wide", "is_empty"), [(0.9, True), (2.4, False)])
+def test_a_room_of_doors_is_a_passage_of_the_plan(wide: float, is_empty: bool) -> None:
+    """A bathroom with a door at every metre of both long walls, and the same with free walls."""
+    room = Room("room", "bathroom", frozen_array([(0, 0), (3, 0), (3, wide), (0, wide)]))
+    doors = tuple(
+        Opening(f"d{x}", "door", Box((x, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("room",))
+        for x in (0.5, 1.5, 2.5)
+    )
+    house = SceneGraph((room,), doors, ())
+    assert is_passage(house, "room") == is_empty
+    after = put_back(house, house, ["room"], [], lambda one: one)
+    assert bool(after.items) != is_empty
+    assert not ways_shut(after, room)

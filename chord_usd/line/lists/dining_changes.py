@@ -11,12 +11,12 @@ import numpy as np
 
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.view import View
+from chord_usd.base.places.free_boxes import free_boxes
 from chord_usd.base.places.wall_frames import WallFrame
 from chord_usd.base.scene.geometry import front_direction, to_world
 from chord_usd.base.scene.types import Box, Item
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.lists.changes import Change, at_walls, but, new_piece
-from chord_usd.line.lists.improve import free_boxes
 
 DEPTH_M, HEIGHT_M = 0.8, 0.75
 CHAIR_M = (0.45, 0.5, 0.9)
@@ -141,10 +141,10 @@ def _places(view: View, size: tuple[float, float, float]) -> Iterator[Box]:
 def _free_spots(view: View, rest: Sequence[Item], spots: Sequence[_Spot]) -> list[_Spot]:
     """Those at which chairs can be pulled out; without any, those where the table stands free."""
     boxes = [spot.box for spot in spots]
-    roomy = free = [spots[at] for at in free_boxes(view, rest, boxes, low=False)]
+    roomy = free = [spots[at] for at in free_boxes(view.shell, rest, boxes)]
     for nth in (0, 1):
         seated = [spot.seated(nth) for spot in roomy]
-        roomy = [roomy[at] for at in free_boxes(view, rest, seated, low=True)]
+        roomy = [roomy[at] for at in free_boxes(view.shell, rest, seated)]
     return roomy or free
 
 

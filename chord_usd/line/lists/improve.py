@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from chord_usd.base.metrics.design.price import beyond_walls, quick_price, tight
-from chord_usd.base.metrics.design.shell import TOUCH_M, Rects
+from chord_usd.base.metrics.design.shell import TOUCH_M
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.overlap import overlaps_by_nature
-from chord_usd.base.scene.types import Box, Item
+from chord_usd.base.scene.types import Item
 from chord_usd.line.lists.changes import Change, Propose
 
 LEAST_GAIN = 1e-6
@@ -91,16 +91,3 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
     wrong |= beyond_walls(fresh.corners, view.shell) > TOUCH_M
     refused = set(number[wrong].tolist())
     return [items for nth, items in enumerate(changes) if nth not in refused]
-
-
-def free_boxes(view: View, rest: Sequence[Item], boxes: Sequence[Box], *, low: bool) -> list[int]:
-    """Numbers of the boxes that stand in none of the pieces that stay, and within the room; before
-    no opening, unless they are low."""
-    if not boxes:
-        return []
-    there, fresh = View(view.shell, tuple(rest)), Rects.of_boxes(boxes)
-    wrong = (fresh.depths(there.rects) > TOUCH_M).any(axis=1)
-    wrong |= beyond_walls(fresh.corners, view.shell) > TOUCH_M
-    if not low:
-        wrong |= (fresh.depths(view.shell.clear) > TOUCH_M).any(axis=1)
-    return np.flatnonzero(~wrong).tolist()

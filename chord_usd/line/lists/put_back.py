@@ -13,8 +13,10 @@ import numpy as np
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.base.metrics.design.price import home_price, room_prices
 from chord_usd.base.metrics.design.view import View, view_home
+from chord_usd.base.metrics.rooms import is_to_furnish
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.metrics.violations import room_faults
+from chord_usd.base.places.free_boxes import first_pieces
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
@@ -28,6 +30,8 @@ RULE = "placed again"
 
 _ROUNDS = 2
 """Of changes to a room: one may make place for another."""
+_EMPTY = 9.0
+"""More than any piece costs."""
 _BESIDE_M = 0.3
 """Rooms no farther away share walls or open borders with a room."""
 
@@ -54,6 +58,7 @@ def put_back(
         for _ in range(0 if view.shell.room.id in decided else _ROUNDS):
             if not work.change(at, changes_of(work.home.rooms[at])):
                 break
+    work.furnish_empty(set(rooms) - set(decided))
     work.repair(set(rooms) - set(decided))
     return _finished(graph, work.made(), finish)
 
@@ -82,6 +87,15 @@ class _Work:
         self.home = replace(home, rooms=(*home.rooms[:at], better, *home.rooms[at + 1 :]))
         self._permits = {at: self._permits[at]}
         return True
+
+    def furnish_empty(self, rooms: Collection[str]) -> None:
+        """Give each of these rooms that is empty the first piece that fits: however few rules it
+        keeps, an empty room keeps none."""
+        for at, view in enumerate(self.home.rooms):
+            room = view.shell.room
+            if room.id in rooms and not view.items and is_to_furnish(room):
+                pieces = first_pieces(self._graph, room.id)
+                self.change(at, [lambda _, own=pieces: ((one,) for one in own)], gain=-_EMPTY)
 
     def repair(self, rooms: Collection[str]) -> None:
         """Give the home what it lacks, in these rooms."""

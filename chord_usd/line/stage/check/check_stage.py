@@ -18,6 +18,7 @@ from chord_usd.base.metrics.complete import Homely, Misplaced, home_lacks
 from chord_usd.base.metrics.design import Design, design_of
 from chord_usd.base.metrics.design.standard import Kept, Standard, keeping
 from chord_usd.base.metrics.overlap import Overlap
+from chord_usd.base.places.free_boxes import is_passage
 from chord_usd.base.runtime.stages import open_known, open_stage, reading
 from chord_usd.base.scene.types import Item, SceneGraph
 from chord_usd.line.stage.check.check_contact import Collision, collisions, unsupported
@@ -140,7 +141,8 @@ class Report:
 
         A room out of reach is amiss, whether furniture shuts it or the plan gives it no way in.
         walkable, por, piou and ood are scores, not conditions: they also judge the plan, which is
-        given. What is missing or misplaced is advice.
+        given. What is missing or misplaced is advice. A room in which nothing fits without shutting
+        a door is a passage of the plan, and stays empty.
         """
         return not self.faults
 
@@ -187,7 +189,8 @@ def _reported(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:
         unsupported=tuple(
             one for scene in storeys for one in unsupported(scene.items, scene.ground, Held(scene))
         ),
-        empty_rooms=tuple(one for own in scores for one in own.empty_rooms),
+        empty_rooms=tuple(one for scene, own in zip(storeys, scores, strict=True)
+                          for one in own.empty_rooms if not is_passage(scene.graph, one)),
         walkable=_share(sum(one.walkable * one.walkable_m2 for one in walks),
                         sum(one.walkable_m2 for one in walks)),
         reachable_rooms=1.0 - _share(sum(len(one.unreachable) for one in walks),
