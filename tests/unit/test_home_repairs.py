@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
+from chord_usd.base.metrics.clear_floor import blocked_openings
 from chord_usd.base.metrics.complete import SEATS
 from chord_usd.base.metrics.design import judged_home, judged_room
 from chord_usd.base.metrics.design.home_rules import (
@@ -130,3 +131,21 @@ def test_a_room_of_doors_is_a_passage_of_the_plan(wide: float, is_empty: bool) -
     after = put_back(house, house, ["room"], [], lambda one: one)
     assert bool(after.items) != is_empty
     assert not ways_shut(after, room)
+
+
+def test_a_shower_before_a_window_moves() -> None:
+    """It breaks no planning rule, and no bathroom does without it."""
+    room = Room("room", "bathroom", frozen_array([(0, 0), (3, 0), (3, 2.4), (0, 2.4)]))
+    openings = (
+        Opening("w", "window", Box((2.4, 2.52, 1.2), (0.8, 0.24, 0.8), 0.0), ("room",)),
+        Opening("d", "door", Box((0.5, -0.12, 0.0), (0.8, 0.24, 2.1), 0.0), ("room",)),
+    )
+    pieces = (("shower", Box((2.55, 1.47, 0.0), (0.9, 0.9, 2.1), -90.0)),
+              ("toilet", Box((0.3, 1.9, 0.0), (0.4, 0.6, 0.8), 90.0)),
+              ("washbasin", Box((1.4, 2.15, 0.0), (0.6, 0.48, 0.85), 0.0)))  # fmt: skip
+    items = tuple(Item(f"room/{name}_0", name, box, "room") for name, box in pieces)
+    house = SceneGraph((room,), openings, items)
+    assert [one.item for one in blocked_openings(house)] == ["room/shower_0"]
+    after = put_back(house, house, ["room"], [], lambda one: one)
+    assert "shower" in [item.category for item in after.items]
+    assert not blocked_openings(after)

@@ -15,6 +15,8 @@ from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.bedroom_rules import WARDROBE_RULES, bedside, wardrobes
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.living_rules import SINGLES
+from chord_usd.base.metrics.design.price import conflicts
+from chord_usd.base.metrics.design.shell import TOUCH_M
 from chord_usd.base.metrics.design.view import View, sleepers_of
 from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.types import Box, Item
@@ -52,7 +54,7 @@ _VIEWED_FROM_M = 2.2
 
 def changes_of(view: View) -> list[Propose]:
     """What may be changed in a room, in order; nothing in one that keeps every rule."""
-    if not any(one.findings for one in judged_room(view)):
+    if not any(one.findings for one in judged_room(view)) and not _clashing(view):
         return []
     seats = partial(more_chairs, seats=max(2, seats_at(view)))
     own = [*BY_KIND.get(view.shell.kind, ()), *([seats] if view.of("dining_table") else []), moved]
@@ -62,7 +64,7 @@ def changes_of(view: View) -> list[Propose]:
 def moved(view: View) -> Iterator[Change]:
     """The room with one of the pieces that break rules elsewhere."""
     findings = [finding for one in judged_room(view) for finding in one.findings]
-    named = {name for finding in findings for name in finding.items}
+    named = {name for finding in findings for name in finding.items} | _clashing(view)
     if any(finding.rule in WARDROBE_RULES for finding in findings):
         named |= {item.id for item in view.items if item.category == "bed"}
     for at, item in enumerate(view.items):
@@ -80,6 +82,13 @@ def moved(view: View) -> Iterator[Change]:
                 yield (*rest, moved_to(item, box))
     if view.shell.kind == "living" and findings:
         yield from sofa_groups(view)
+
+
+def _clashing(view: View) -> set[str]:
+    """Ids of pieces in others, in walls or before openings, as showers before windows are: what a
+    room cannot do without is not left out for that."""
+    wrong = (conflicts(view) > TOUCH_M).any(axis=1)
+    return {item.id for item, is_wrong in zip(view.items, wrong, strict=True) if is_wrong}
 
 
 def moved_to(item: Item, box: Box) -> Item:

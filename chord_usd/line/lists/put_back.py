@@ -198,9 +198,9 @@ class _Permits:
         self, graph: SceneGraph, room: Room, standing: dict[str, tuple[Item, ...]]
     ) -> None:
         floor = room_polygon(room)
-        near = [one for one in graph.rooms if room_polygon(one).dwithin(floor, _BESIDE_M)]
-        items = tuple(item for one in near if one.id != room.id for item in standing[one.id])
-        self._around = replace(graph, rooms=tuple(near), items=items, dressing=())
+        self._near = [one for one in graph.rooms if room_polygon(one).dwithin(floor, _BESIDE_M)]
+        items = tuple(item for one in self._near if one.id != room.id for item in standing[one.id])
+        self._around = replace(graph, items=items, dressing=())
         self._own = standing[room.id]
 
     @cached_property
@@ -209,7 +209,7 @@ class _Permits:
 
     def _faults(self, items: Sequence[Item]) -> float:
         house = replace(self._around, items=(*self._around.items, *items))
-        return sum(room_faults(house, house.rooms))
+        return sum(room_faults(house, self._near))
 
     def __call__(self, view: View) -> bool:
         return self._faults(view.items) <= self._most

@@ -131,11 +131,11 @@ class Hole:
 
     @cached_property
     def clear(self) -> Rects:
-        """The floor before it that stays free, TOUCH_M smaller all round."""
+        """The floor before it that stays free."""
         along = (self.ends[1] - self.ends[0]) / max(self.length_m, 1e-6)
         deep = WINDOW_CLEARANCE_M if not self.is_way else min(self.length_m, MAX_CLEARANCE_M)
         middle = self.middle + self.inward * (self.depth_m + deep) / 2
-        half = np.array([[self.length_m / 2 - TOUCH_M, deep / 2 - TOUCH_M]])
+        half = np.array([[self.length_m / 2, deep / 2]])
         return Rects(middle[None], along[None], self.inward[None], half)
 
 
