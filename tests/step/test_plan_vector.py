@@ -21,6 +21,7 @@ from plan_files import (
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import footprint_polygon, polygons_of, room_polygon, wall_area
 from chord_usd.base.scene.types import Plan
+from chord_usd.line.pipeline.as_drawn import placed_pieces
 from chord_usd.line.plan.read import read_plan_file
 from chord_usd.workshop.data.houses import random_plan
 
@@ -168,6 +169,22 @@ def test_sweet_home_is_read_in_centimetres(tmp_path: Path) -> None:
     bare = tmp_path / "bare.sh3d"
     write_sweethome(bare, rooms="")
     assert_two_rooms(read_plan_file(bare), [2.35 * 3.8, 3.35 * 3.8], ["unknown"] * 2)
+
+
+def test_furniture_of_sweet_home_comes_along(tmp_path: Path) -> None:
+    """A double bed with its head at the right wall, an unknown thing, and a lamp on the ceiling."""
+    pieces = """<pieceOfFurniture level='ground' catalogId='eTeks#bed140x190' name='Double bed'
+      x='485' y='322' width='140' depth='190' height='70' angle='1.5707964'/>
+      <pieceOfFurniture level='ground' name='Kugel' x='100' y='100' width='50' depth='50'/>
+      <pieceOfFurniture level='ground' name='Cupboard' x='100' y='100' width='50' depth='50'
+      elevation='150'/>"""
+    write_sweethome(tmp_path / "home.sh3d", HOME.replace("</home>", f"{pieces}</home>"))
+    plan = read_plan_file(tmp_path / "home.sh3d")
+    (bed,) = placed_pieces(plan)
+    assert bed.item is not None
+    assert bed.item.room_id == "bedroom1"
+    assert bed.item.box.yaw_deg == pytest.approx(-90.0, abs=0.1)
+    assert bed.item.box.center_m[:2] == pytest.approx((5.9 - 0.95, -3.2), abs=0.01)
 
 
 def test_several_storeys_take_the_largest_and_say_so(tmp_path: Path) -> None:

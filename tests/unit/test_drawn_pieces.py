@@ -10,6 +10,7 @@ import pytest
 from chord_usd.base.scene.chord_json import plan_from_json, plan_to_json
 from chord_usd.base.scene.drawn_pieces import DRAWN, drawn_items, to_entry
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
+from chord_usd.base.scene.piece_names import piece_named
 from chord_usd.base.scene.pose import Pose, posed
 from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, frozen_array
 from chord_usd.line.pipeline.as_drawn import placed_pieces
@@ -100,3 +101,31 @@ def test_what_is_no_piece_is_passed_over() -> None:
     broken = [{}, {**good[0], "type": "throne"}, {**good[0], "length": -5}, {**good[0], "pos": "x"}]
     found = drawn_items(replace(plan("bedroom"), extra={DRAWN: [*broken, *good]}).extra)
     assert [item.category for item in found] == ["bed"]
+
+
+def test_a_room_tells_what_a_drawing_shows_alike() -> None:
+    """A basin in a kitchen is its sink, around which units are composed."""
+    (one,) = placed_pieces(plan("kitchen", piece("washbasin", 1.0, 2.8, (0.6, 0.45), 0.0)))
+    assert one.item is not None
+    assert one.item.category == "sink_cabinet"
+    (other,) = placed_pieces(
+        plan("kitchen", piece("electrical_floor_cabinet", 1, 2.7, (0.6, 0.6), 0))
+    )
+    assert other.reason == "a part of the composed kitchen"
+
+
+@pytest.mark.parametrize(
+    ("name", "category"),
+    [
+        ("eTeks#bed140x190", "bed"),
+        ("eTeks#toiletUnit", "toilet"),
+        ("Badewanne 2", "bathtub"),
+        ("Duschkabine", "shower"),
+        ("Kitchen table", "dining_table"),
+        ("chests of drawers", "cabinet"),
+        ("Lampe", None),
+        ("", None),
+    ],
+)
+def test_names_of_pieces_in_other_files(name: str, category: str | None) -> None:
+    assert piece_named(name) == category

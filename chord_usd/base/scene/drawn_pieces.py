@@ -117,13 +117,14 @@ def _against_back(box: Box, size_m: tuple[float, float]) -> Box:
 def place(
     plan: Plan,
     clear: Sequence[tuple[shapely.Geometry, Opening]],
-    refused: Callable[[Item, str], str],
+    named: Callable[[Item, str], tuple[str, str]],
     blocks: Callable[[Item, Opening], bool],
 ) -> list[Placed]:
     """All drawn pieces of a plan, the surest first.
 
-    clear: floor that openings keep free. refused: why a piece does not stand in a room, by its id;
-    "" where it does. blocks: whether a piece on the floor of an opening is in its way.
+    clear: floor that openings keep free. named: the category of a piece in a room, by its id, and
+    why it does not stand there; "" where it does. blocks: whether a piece on the floor of an
+    opening is in its way.
     """
     floors = {room.id: room_polygon(room) for room in plan.rooms}
     counts: Counter[tuple[str, str]] = Counter()
@@ -134,19 +135,20 @@ def place(
         if not room_id:
             found.append(Placed(item, reason="in no room"))
             continue
-        box = _on_walls(usual_box(item.category, item.box), plan.room(room_id))
-        reason = refused(item, room_id)
-        if not reason and item.category not in KITCHEN:
-            kept_free = [area for area, opening in clear if blocks(replace(item, box=box), opening)]
+        category, reason = named(item, room_id)
+        own = replace(item, category=category)
+        box = _on_walls(usual_box(category, item.box), plan.room(room_id))
+        if not reason and category not in KITCHEN:
+            kept_free = [area for area, opening in clear if blocks(replace(own, box=box), opening)]
             floor = _Floor(floors[room_id], kept_free, standing)
-            box, reason = _standing(item.category, box, plan.room(room_id), floor)
+            box, reason = _standing(category, box, plan.room(room_id), floor)
         if reason:
             found.append(Placed(item, reason=reason))
             continue
-        number = counts[room_id, item.category]
-        counts[room_id, item.category] += 1
+        number = counts[room_id, category]
+        counts[room_id, category] += 1
         standing.append(footprint_polygon(box))
-        new = replace(item, id=f"{room_id}/{item.category}_{number}", box=box, room_id=room_id)
+        new = replace(own, id=f"{room_id}/{category}_{number}", box=box, room_id=room_id)
         found.append(Placed(item, new.found(locked=True)))
     return found
 

@@ -10,9 +10,15 @@ from typing import Any
 from chord_usd.base.scene.drawn_pieces import KITCHEN, Placed, place
 from chord_usd.base.scene.dwellings import is_common
 from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.stair_cells import is_cell
 from chord_usd.base.scene.types import Item, Plan, SceneGraph
 
+_ALIKE = {
+    "sink_cabinet": "washbasin", "washbasin": "sink_cabinet", "table": "dining_table",
+    "dining_table": "table", "single_sofa": "leisure_sofa", "cabinet": "dining_cabinet",
+}  # fmt: skip
+"""What a drawing shows alike; the room tells which of the two it is."""
 _DOUBLE = 0.3
 """Two pieces of a category that share so much of the smaller one are one."""
 BUILT_M = 0.25
@@ -27,15 +33,18 @@ def placed_pieces(plan: Plan) -> list[Placed]:
     clear = list(clearances(plan.rooms, plan.openings))
     in_studio = is_studio([room.kind for room in plan.rooms])
 
-    def refused(item: Item, room_id: str) -> str:
+    def named(item: Item, room_id: str) -> tuple[str, str]:
         room = plan.room(room_id)
         if is_cell(room) or is_common(room):
-            return "in a part that stays empty"
-        if item.category in KITCHEN and room.kind == "kitchen":
-            return ""
-        return "" if stands_in(item.category, room.kind, in_studio) else f"in a {room.kind}"
+            return item.category, "in a part that stays empty"
+        if item.category in having("kitchen_unit") and item.category not in KITCHEN:
+            return item.category, "a part of the composed kitchen"
+        for name in (item.category, _ALIKE.get(item.category, "")):
+            if stands_in(name, room.kind, in_studio):
+                return name, ""
+        return item.category, f"in a {room.kind}"
 
-    return place(plan, [(area, opening) for opening, area in clear], refused, is_high_enough)
+    return place(plan, [(area, opening) for opening, area in clear], named, is_high_enough)
 
 
 def parted(placed: Iterable[Placed]) -> tuple[tuple[Item, ...], tuple[Item, ...]]:
@@ -89,18 +98,11 @@ def drawn_told(placed: Sequence[Placed], graph: SceneGraph | None = None) -> lis
 
 
 def _told(one: Placed, graph: SceneGraph | None) -> dict[str, Any]:
-    box = one.drawn.box
-    is_built = one.item is not None
-    if graph is not None:
-        away = [
-            math.dist(item.box.center_m[:2], box.center_m[:2])
-            for item in graph.items
-            if item.category == one.drawn.category
-        ]
-        is_built = is_built and min(away, default=math.inf) <= _reach_m(one)
+    is_built = one.item is not None and (graph is None or _is_built(one.item, graph))
     reason = one.reason or ("" if is_built else "elsewhere")
+    box = one.drawn.box
     return {
-        "category": one.drawn.category,
+        "category": (one.item or one.drawn).category,
         "box": [round(v, 3) for v in (*box.center_m[:2], *box.size_m[:2], box.yaw_deg)],
         "confidence": round(one.drawn.score, 2),
         "kept": is_built,
@@ -108,8 +110,10 @@ def _told(one: Placed, graph: SceneGraph | None) -> dict[str, Any]:
     }
 
 
-def _reach_m(one: Placed) -> float:
-    """How far the piece may stand from where it is drawn: a mesh may be smaller than drawn."""
-    if one.item is None:
-        return 0.0
-    return BUILT_M + math.dist(one.item.box.center_m[:2], one.drawn.box.center_m[:2])
+def _is_built(item: Item, graph: SceneGraph) -> bool:
+    """Whether one of its category stands where it was placed; a mesh may be smaller."""
+    return any(
+        other.category == item.category
+        and math.dist(other.box.center_m[:2], item.box.center_m[:2]) <= BUILT_M
+        for other in graph.items
+    )

@@ -88,6 +88,9 @@ class PieceFinder:
         padded = cv2.copyMakeBorder(part, 0, more[0], 0, more[1], cv2.BORDER_REPLICATE)
         scaled = padded.transpose(2, 0, 1)[None].astype(np.float32) / 127.5 - 1.0
         centres, shapes = (one[0] for one in self._network.run({READER_INPUT: scaled}))
+        # What is there is there in the mirror, too; what was taken for it by chance may not be.
+        mirror = np.ascontiguousarray(scaled[..., ::-1])
+        centres = (centres + self._network.run({READER_INPUT: mirror})[0][0, ..., ::-1]) / 2
         corner = np.array([window[1].start, window[0].start], np.float64)
         for kind, row, column in zip(*_peaks(centres, least), strict=True):
             x, y, length, depth, front_x, front_y = shapes[:, row, column].astype(float)

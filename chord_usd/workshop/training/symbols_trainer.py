@@ -152,8 +152,10 @@ def _find(network: SymbolsNetwork, crops: Sequence[Crop], device: str) -> _Found
     network.eval()
     for start in range(0, len(crops), _AT_ONCE):
         part = crops[start : start + _AT_ONCE]
-        centres, shapes = _seen(network, batch_of(part)[0].to(device))
-        chances = centres.sigmoid().cpu()
+        rgb = batch_of(part)[0].to(device)
+        centres, shapes = _seen(network, rgb)
+        mirrored = _seen(network, rgb.flip(-1))[0].flip(-1)
+        chances = ((centres.sigmoid() + mirrored.sigmoid()) / 2).cpu()
         cells = peaks(chances, _LEAST_LOOKED_AT)
         for index, crop in enumerate(part):
             own = cells[cells[:, 0] == index]

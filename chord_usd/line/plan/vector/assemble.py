@@ -14,13 +14,16 @@ from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from chord_usd.base.errors import PlanError
+from chord_usd.base.scene.drawn_pieces import DRAWN, to_entry
 from chord_usd.base.scene.geometry import polygons_of, room_polygon, rooms_beside
+from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.room_names import room_kind
 from chord_usd.base.scene.types import (
     BASE_AND_HEIGHT_M,
     WALL_THICKNESS_M,
     Box,
     FloatArray,
+    Item,
     Opening,
     PixelFrame,
     Plan,
@@ -34,7 +37,13 @@ from chord_usd.line.plan.placement import WARNINGS
 from chord_usd.line.plan.printed import STATED, Estimate, estimates
 from chord_usd.line.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.line.plan.text import Text
-from chord_usd.line.plan.vector.shapes import Label, OpeningShape, RoomShape, VectorDrawing
+from chord_usd.line.plan.vector.shapes import (
+    Label,
+    OpeningShape,
+    PieceShape,
+    RoomShape,
+    VectorDrawing,
+)
 
 _SMALLEST_ROOM_M2 = 0.8
 _NARROWEST_ROOM_M = 0.5
@@ -82,8 +91,20 @@ def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None
     openings = _openings(scaled, rooms)
     told = [*drawing.notes, *scale.warnings()]
     extra = {SCALE: scale.report(), **({WARNINGS: told} if told else {})}
+    extra |= {DRAWN: to_entry(_items(scaled.pieces))} if scaled.pieces else {}
     plan = Plan(rooms, openings, extra)
     return _parted(plan, () if drawing.rooms else scaled.labels)
+
+
+def _items(pieces: Sequence[PieceShape]) -> list[Item]:
+    """Pieces in metres, as high as their categories are."""
+    found = []
+    for piece in pieces:
+        row = category(piece.category)
+        size_m = (piece.length, piece.depth, sum(row.height_m) / 2)
+        x, y = piece.center.tolist()
+        found.append(Item("", row.name, Box((x, y, 0.0), size_m, piece.yaw_deg)))
+    return found
 
 
 def _parted(plan: Plan, labels: Sequence[Label]) -> Plan:
@@ -158,6 +179,13 @@ def _in_metres(drawing: VectorDrawing, m_per_unit: float) -> VectorDrawing:
             for o in drawing.openings
         ],
         labels=[replace(label, point=label.point * m_per_unit) for label in drawing.labels],
+        pieces=[
+            replace(
+                p, center=p.center * m_per_unit, length=p.length * m_per_unit,
+                depth=p.depth * m_per_unit,
+            )
+            for p in drawing.pieces
+        ],
         m_per_unit=1.0,
     )  # fmt: skip
 

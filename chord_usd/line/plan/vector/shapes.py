@@ -53,6 +53,18 @@ class Label:
 
 
 @dataclass(frozen=True, eq=False)
+class PieceShape:
+    """A piece of furniture, or a fixture."""
+
+    category: str
+    center: FloatArray
+    """(2,)."""
+    length: float
+    depth: float
+    yaw_deg: float
+
+
+@dataclass(frozen=True, eq=False)
 class VectorDrawing:
     """One storey or sheet. All lengths in units of the file, y up."""
 
@@ -60,6 +72,7 @@ class VectorDrawing:
     walls: Sequence[Polygon] = ()
     openings: Sequence[OpeningShape] = ()
     labels: Sequence[Label] = ()
+    pieces: Sequence[PieceShape] = ()
     m_per_unit: float | None = None
     """None where the file does not say."""
     name: str = ""

@@ -13,15 +13,17 @@ from shapely.geometry import LineString, Polygon
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.archives import Archive
+from chord_usd.base.scene.piece_names import piece_named
 from chord_usd.base.scene.stair_elements import StairForm
 from chord_usd.base.scene.stair_places import StairShape
 from chord_usd.base.scene.types import FloatArray, OpeningKind
-from chord_usd.base.scene.units import m_from_cm
+from chord_usd.base.scene.units import m_from_cm, wrap_deg
 from chord_usd.line.plan.vector.safe_xml import LARGEST_BYTES, local_name, parse_xml
 from chord_usd.line.plan.vector.shapes import (
     FARTHEST,
     MOST_SHAPES,
     OpeningShape,
+    PieceShape,
     RoomShape,
     VectorDrawing,
     too_many_shapes,
@@ -44,7 +46,7 @@ def read_sweethome(path: Path) -> list[VectorDrawing]:
     levels = {e.get("id"): e for e in home if local_name(e) == "level"}
     parts: dict[str | None, list[Element]] = defaultdict(list)
     for element in home.iter():
-        if local_name(element) in ("wall", "room", "doorOrWindow") or _is_stair(element):
+        if local_name(element) in ("wall", "room", "doorOrWindow", "pieceOfFurniture"):
             parts[element.get("level")].append(element)
     if sum(map(len, parts.values())) > MOST_SHAPES:
         raise too_many_shapes(path)
@@ -75,6 +77,7 @@ def _drawing(elements: list[Element], level: Element | None) -> VectorDrawing:
         walls=[wall for e in by_name["wall"] if not (wall := _wall(e)).is_empty],
         openings=[_opening(e) for e in by_name["doorOrWindow"]],
         stairs=[_stair(e) for e in elements if _is_stair(e)],
+        pieces=[p for e in by_name["pieceOfFurniture"] if (p := _piece(e)) is not None],
         m_per_unit=m_from_cm(1.0),
         name="" if level is None else level.get("name", ""),
         elevation=0.0 if level is None else _number(level, "elevation"),
@@ -107,6 +110,17 @@ def _room(element: Element) -> RoomShape | None:
 def _is_stair(element: Element) -> bool:
     said = f"{element.get('catalogId', '')} {element.get('name', '')}"
     return local_name(element) == "pieceOfFurniture" and bool(_STAIR_NAMES.search(said))
+
+
+def _piece(element: Element) -> PieceShape | None:
+    """A piece that stands on the floor; None for stairs, and for what no name tells."""
+    name = piece_named(element.get("name", "")) or piece_named(element.get("catalogId", ""))
+    if _is_stair(element) or name is None or _number(element, "elevation") > _SILL_CM:
+        return None
+    return PieceShape(
+        name, _point(element, "x", "y"), max(_number(element, "width"), 1.0),
+        max(_number(element, "depth"), 1.0), wrap_deg(-math.degrees(_number(element, "angle"))),
+    )  # fmt: skip
 
 
 def _stair(element: Element) -> StairShape:
