@@ -68,7 +68,7 @@ DINERS = 2
 TWO_CHAIRS = "two chairs at the table"
 
 FEWER_BELOW_M2: dict[RoomKind, tuple[tuple[float, int], ...]] = {
-    "bathroom": ((2.0, 1), (3.0, 2)), "washroom": ((1.6, 1),), "wc": ((1.3, 1),),
+    "bathroom": ((2.0, 1), (3.0, 2)), "washroom": ((1.6, 1),), "wc": ((1.8, 1),),
 }  # fmt: skip
 """Rooms smaller than an area need no more than so many of their essentials; smallest area first."""
 

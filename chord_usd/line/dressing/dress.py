@@ -43,7 +43,7 @@ from chord_usd.line.dressing.dress_ceilings import dress_ceilings
 from chord_usd.line.dressing.dress_floors import dress_floor, dress_rugs
 from chord_usd.line.dressing.dress_kitchens import dress_kitchen
 from chord_usd.line.dressing.dress_pieces import dress_pieces
-from chord_usd.line.dressing.dress_walls import dress_fittings, hang_television
+from chord_usd.line.dressing.dress_walls import dress_fittings, hang_television, heated_alike
 from chord_usd.line.dressing.dress_windows import dress_windows
 from chord_usd.line.dressing.room_frame import ReliefsOf, RoomFrame, named
 from chord_usd.line.dressing.stock import Stock
@@ -67,13 +67,17 @@ def dress(
     chosen = set(rooms) or {room.id for room in graph.rooms}
     house = _House(graph, database, style, seed)
     dressing: list[Item] = []
+    new: set[str] = set()
     for room in graph.rooms:
         old = tuple(graph.dressing_of(room.id))
         if room.id in chosen:
-            dressing += house.dressed(room, _kept(old, keep))
+            kept = _kept(old, keep)
+            made = house.dressed(room, kept)
+            new |= {item.id for item in made} - {item.id for item in kept}
+            dressing += made
         else:
             dressing += old
-    return replace(graph, dressing=tuple(dressing))
+    return replace(graph, dressing=tuple(heated_alike(graph.rooms, dressing, new)))
 
 
 def _kept(old: Sequence[Item], keep: Collection[str]) -> list[Item]:

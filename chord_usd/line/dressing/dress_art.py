@@ -36,6 +36,9 @@ _UNDER_ART = ("sofa", "bed", "dining_cabinet", "cabinet", "shoe_cabinet", "tv_ca
               "leisure_sofa", "single_sofa", "dining_table")  # fmt: skip
 """Pieces with a picture over them, the most wanted first."""
 
+_AT_DOOR_M = 1.5
+"""So far from the front door, places for coats and mirror are alike."""
+
 _SHOWN = ("living", "dining", "bedroom", "study", "corridor", "unknown")
 _EACH_M2 = 6.5
 """Floor for each place with pictures."""
@@ -65,9 +68,9 @@ class Spot:
 
 def dress_art(frame: RoomFrame) -> None:
     """What one looks at on the walls of a room."""
-    if frame.kind == "corridor":
+    if frame.kind == "corridor" or frame.entrance is not None:
         _hooks(frame)
-    if frame.kind in ("corridor", "bedroom"):
+    if frame.kind in ("corridor", "bedroom") or frame.entrance is not None:
         _tall_mirror(frame)
     if frame.kind in _SHOWN:
         _pictures(frame)
@@ -269,10 +272,11 @@ def _hooks(frame: RoomFrame) -> None:
 def _on_bare_wall(
     frame: RoomFrame, asset: Asset, base_m: float, *, from_floor: bool = False
 ) -> Item | None:
-    """At the middle of the narrowest stretch that takes it."""
+    """At the middle of the narrowest stretch that takes it; in the room of the front door, of
+    those near it."""
     lowest = 0.1 if from_floor else base_m - 0.1
     spans = [
-        (high - low, face, (low + high) / 2)
+        (high - low + _away_m(frame, face, (low + high) / 2), face, (low + high) / 2)
         for face in frame.faces
         for low, high in face.free_spans(
             frame.taken, lowest, base_m + asset.size_m[2] + 0.05, asset.size_m[1] + 0.05
@@ -285,6 +289,15 @@ def _on_bare_wall(
         if item is not None:
             return item
     return None
+
+
+def _away_m(frame: RoomFrame, face: WallFace, along_m: float) -> float:
+    """How much farther than AT_DOOR_M a place on a wall is from the front door of its room."""
+    if frame.entrance is None:
+        return 0.0
+    door, hole = frame.entrance
+    away = np.subtract(face.at(along_m, 0.0), door.at(hole.middle_m, 0.0))
+    return max(0.0, float(np.hypot(*away)) - _AT_DOOR_M)
 
 
 def _put_beside_ways(frame: RoomFrame, asset: Asset, box: Box) -> Item | None:
@@ -300,7 +313,7 @@ def _put_beside_ways(frame: RoomFrame, asset: Asset, box: Box) -> Item | None:
 
 def _tall_mirror(frame: RoomFrame) -> None:
     """To see oneself whole, where a wall is bare to the floor."""
-    if not frame.draws.chance("tall_mirror", frame.taste.mirrors):
+    if frame.entrance is None and not frame.draws.chance("tall_mirror", frame.taste.mirrors):
         return
     mirrors = within(frame.stock.offered("mirror"), (1.0, 0.1, 2.0), (0.3, 0.0, 0.7))
     tall = sorted(frame.stock.family(mirrors, "mirror/tall"), key=lambda a: (-a.size_m[2], a.id))

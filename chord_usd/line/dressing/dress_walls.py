@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from chord_usd.base.metrics.design.screens import places_on_walls
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.places.wall_frames import BEHIND_M, Hole, WallFace
 from chord_usd.base.scene.geometry import front_direction, to_world
-from chord_usd.base.scene.types import Asset, Item
+from chord_usd.base.scene.types import Asset, Box, Item, Room
 from chord_usd.line.dressing.room_frame import RoomFrame
 from chord_usd.line.dressing.stock import nearest_length, within
 
@@ -24,13 +25,16 @@ _SOCKET_BASE_M = 0.3
 _BESIDE_PIECE_M = 0.1
 _WORKTOP_SOCKET_M = 1.12
 _HEATED = ("living", "dining", "bedroom", "study", "unknown", "kitchen")
+"""Kinds of rooms with a radiator, in homes with radiators; the others have floors that heat."""
+_HIGH_M, _DEEP_M = 0.7, 0.16
+_WALL_LONG_M, _ENDS_M = 0.8, 0.1
+"""Usual length of a radiator that hangs under no window, and bare wall beside it."""
 
 
 def dress_fittings(frame: RoomFrame) -> None:
     """What every home has on its walls, whatever its style: heat, switches, power."""
     if frame.house.chance("radiators", frame.taste.radiators) and frame.kind in _HEATED:
-        for face, hole in frame.holes("window"):
-            _radiator(frame, face, hole)
+        _heat(frame)
     _switch(frame)
     _sockets(frame)
 
@@ -51,6 +55,49 @@ def hang_television(frame: RoomFrame, view: View) -> None:
                 return
 
 
+def heated_alike(
+    rooms: Iterable[Room], dressing: Sequence[Item], new: Collection[str]
+) -> list[Item]:
+    """The dressing of a home with heating in every room that people live in, or in none: without
+    the new radiators of these ids where a room has no place for one."""
+    heated = {item.room_id for item in dressing if item.category == "radiator"}
+    if all(room.id in heated for room in rooms if room.kind in _HEATED):
+        return list(dressing)
+    cold = {room.id for room in rooms if room.kind in _HEATED}
+    return [item for item in dressing if item.category != "radiator" or item.id not in new
+            or item.room_id not in cold]  # fmt: skip
+
+
+def _heat(frame: RoomFrame) -> None:
+    """Radiators under the windows; in a room that has none there, on a bare wall."""
+    for face, hole in frame.holes("window"):
+        _radiator(frame, face, hole)
+    if frame.dressed("radiator"):
+        return
+    offered = within(frame.stock.offered("radiator"), (9.0, _DEEP_M, _HIGH_M), (0.0, 0.0, 0.3))
+    family = frame.stock.family(offered, "radiator")
+    lit = [face for face, _ in frame.holes("window")]
+    for asset in sorted(family, key=lambda one: (abs(one.size_m[0] - _WALL_LONG_M), one.id)):
+        top_m, deep_m = _RADIATOR_BASE_M + asset.size_m[2], asset.size_m[1] + 0.03
+        spans = [
+            (face not in lit, start - end, face, (start + end) / 2)
+            for face in frame.faces
+            for start, end in face.free_spans(frame.taken, _RADIATOR_BASE_M, top_m, deep_m)
+            if end - start >= asset.size_m[0] + 2 * _ENDS_M
+        ]
+        for _, _, face, middle in sorted(spans, key=lambda one: one[:2]):
+            if _hung(frame, asset, face.box(middle, _RADIATOR_BASE_M, asset.size_m)):
+                return
+
+
+def _hung(frame: RoomFrame, asset: Asset, box: Box) -> bool:
+    """A radiator on a wall, where one still gets by."""
+    if frame.walkways.stay_with(box, at_ease=False) and frame.put_where_free(asset, box):
+        frame.walkways.take(box)
+        return True
+    return False
+
+
 def _radiator(frame: RoomFrame, face: WallFace, hole: Hole) -> None:
     """Under the window, about its middle."""
     tallest = hole.low_m - _UNDER_SILL_M - _RADIATOR_BASE_M
@@ -66,9 +113,7 @@ def _radiator(frame: RoomFrame, face: WallFace, hole: Hole) -> None:
     asset = nearest_length(radiators, 0.8 * widest)
     if asset is None:
         return
-    box = face.box(hole.middle_m, _RADIATOR_BASE_M, asset.size_m)
-    if frame.walkways.stay_with(box, at_ease=False) and frame.put_where_free(asset, box):
-        frame.walkways.take(box)
+    _hung(frame, asset, face.box(hole.middle_m, _RADIATOR_BASE_M, asset.size_m))
 
 
 def _switch(frame: RoomFrame) -> None:

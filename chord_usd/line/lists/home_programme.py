@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from chord_usd.base.metrics.complete import FEWER_BELOW_M2
 from chord_usd.base.metrics.design.home_rules import MOST_DINERS
 from chord_usd.base.metrics.design.shell import Shell, shells
 from chord_usd.base.metrics.rooms import is_studio, stands_in
@@ -23,7 +22,8 @@ LAUNDRY_M2 = 3.5
 TOILET_M2 = 3.0
 """A smaller bathroom has no toilet in a home with a WC apart."""
 
-HAND_BASIN_M2 = FEWER_BELOW_M2["wc"][0][0]
+HAND_BASIN_M2 = 1.3
+"""A WC has a basin from this size on, where that leaves the floor that people need."""
 
 _SMALL = 4
 

@@ -19,7 +19,7 @@ from chord_usd.base.metrics.design.price import conflicts
 from chord_usd.base.metrics.design.shell import TOUCH_M
 from chord_usd.base.metrics.design.view import View, sleepers_of
 from chord_usd.base.scene.geometry import to_world
-from chord_usd.base.scene.types import Box, Item
+from chord_usd.base.scene.types import WET_KINDS, Box, Item
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.lists.changes import (
     BY_KIND,
@@ -36,6 +36,7 @@ from chord_usd.line.lists.changes import (
 from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
 from chord_usd.line.lists.improve import free_of_clashes
 from chord_usd.line.lists.pieces import TALL_M
+from chord_usd.line.lists.wet_places import composed
 
 _ALONE = frozenset((*WALLED, "shower", "bathtub", "table"))
 _TV_M = (1.4, 0.4, 0.47)
@@ -57,7 +58,8 @@ def changes_of(view: View) -> list[Propose]:
     if not any(one.findings for one in judged_room(view)) and not _clashing(view):
         return []
     seats = partial(more_chairs, seats=max(2, seats_at(view)))
-    own = [*BY_KIND.get(view.shell.kind, ()), *([seats] if view.of("dining_table") else []), moved]
+    wet = [composed] if view.shell.kind in WET_KINDS else []
+    own = [*wet, *BY_KIND.get(view.shell.kind, ()), *([seats] if view.of("dining_table") else []), moved]
     return [*own, zoned] if view.shell.kind == "living" else own
 
 

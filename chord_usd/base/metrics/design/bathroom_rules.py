@@ -57,20 +57,24 @@ def _basin_front(view: View) -> Iterator[Measured]:
         yield _front_of(view, at)
 
 
+def faces_door(view: View, at: int) -> bool:
+    """Whether somebody in a door looks at the front of a piece."""
+    half = np.array([view.length[at], view.depth[at]]) / 2
+    points = view.grid(at, (-half[0], half[0]), (-half[1], half[1]))
+    for hole in view.shell.ways:
+        ahead = points - hole.middle
+        along = (hole.ends[1] - hole.ends[0]) / max(hole.length_m, 1e-6)
+        forward, aside = ahead @ hole.inward, np.abs(ahead @ along)
+        share = ((forward > 0.1) & (forward < 5.0) & (aside < hole.length_m / 2 - 0.05)).mean()
+        taken_m2 = share * view.length[at] * view.depth[at]
+        if taken_m2 > 0.05 and view.front[at] @ hole.inward < -0.7:
+            return True
+    return False
+
+
 def _toilet_door(view: View) -> Iterator[Measured]:
-    """Somebody in the door looks at the front of the toilet."""
     for at in _toilet(view):
-        half = np.array([view.length[at], view.depth[at]]) / 2
-        points = view.grid(at, (-half[0], half[0]), (-half[1], half[1]))
-        seen = False
-        for hole in view.shell.ways:
-            ahead = points - hole.middle
-            along = (hole.ends[1] - hole.ends[0]) / max(hole.length_m, 1e-6)
-            forward, aside = ahead @ hole.inward, np.abs(ahead @ along)
-            share = ((forward > 0.1) & (forward < 5.0) & (aside < hole.length_m / 2 - 0.05)).mean()
-            taken_m2 = share * view.length[at] * view.depth[at]
-            seen |= bool(taken_m2 > 0.05 and view.front[at] @ hole.inward < -0.7)
-        yield flag(seen, view.point(at), *_id(view, at))
+        yield flag(faces_door(view, at), view.point(at), *_id(view, at))
 
 
 def _basin_width(view: View) -> Iterator[Measured]:

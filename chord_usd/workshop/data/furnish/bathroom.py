@@ -22,6 +22,9 @@ TOILET_SLOT_M = 0.7
 NARROW_ROOM_M = 1.9
 """Between walls nearer than this there is a way past fittings on one side only."""
 
+_HAND_BASIN_M2 = 1.3
+"""A WC has a basin from this size on."""
+
 FEW_TRIES, MOST_TRIES = 5, 24
 """Placements tried for one list of fittings: before smaller ones are taken, for the smallest."""
 
@@ -65,7 +68,7 @@ def _place_programme(floor: Floor, wanted: list[str]) -> None:
 def _served(floor: Floor) -> list[str]:
     """What belongs into a WC or a washroom; a room for one piece holds the one it is there for."""
     first = "toilet" if floor.kind == "wc" else "washing_machine"
-    least_m2 = FEWER_BELOW_M2[floor.kind][0][0]
+    least_m2 = _HAND_BASIN_M2 if floor.kind == "wc" else FEWER_BELOW_M2[floor.kind][0][0]
     wanted = {first, "washbasin"} if floor.area_m2 >= least_m2 else {first}
     return [name for name in REACH_M if name in wanted]
 

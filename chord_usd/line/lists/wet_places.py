@@ -1,0 +1,211 @@
+"""Bathrooms, washrooms and WCs composed along their walls by the clearances of the planning rules.
+
+Every fixture has places along all walls, in a few sizes, each with the floor that people need to
+use it. Places of all fixtures are combined, the cheapest first: what stands in other pieces or
+before openings is left out, floor that is missed costs what its rule weighs. The best combinations
+are changes, which improve.improved weighs by all rules.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from chord_usd.base.metrics.complete import ESSENTIALS, FEWER_BELOW_M2, lacking
+from chord_usd.base.metrics.design.bathroom_rules import BASINS, WET, faces_door
+from chord_usd.base.metrics.design.price import beyond_walls
+from chord_usd.base.metrics.design.shell import TOUCH_M, Rects
+from chord_usd.base.metrics.design.view import View
+from chord_usd.base.places.wall_frames import Size, WallFrame
+from chord_usd.base.scene.palette import CATEGORIES, having
+from chord_usd.base.scene.types import Box, FloatArray, Item
+from chord_usd.line.lists.changes import Change, new_piece
+from chord_usd.line.lists.improve import free_of_clashes
+
+LAUNDRY = having("laundry")
+FIXTURES = ("toilet", *WET, *BASINS, *LAUNDRY)
+_SIZES: Mapping[str, tuple[tuple[float, float], ...]] = {
+    "toilet": (), "washbasin": ((0.5, 0.36), (0.6, 0.45), (0.45, 0.3)), "washing_set": (),
+    "shower": ((0.9, 0.9), (0.8, 0.8), (1.2, 0.8)), "bathtub": ((1.7, 0.75), (1.5, 0.7)),
+    "washing_machine": ((0.6, 0.6),),
+}  # fmt: skip
+"""Length and depth that a fixture is tried in beside those it has."""
+_NEW_M: Mapping[str, Size] = {
+    "toilet": (0.38, 0.62, 0.78), "washbasin": (0.5, 0.4, 0.85), "shower": (0.8, 0.8, 2.0),
+    "bathtub": (1.5, 0.7, 0.55), "washing_machine": (0.6, 0.6, 0.85),
+}  # fmt: skip
+_NEEDS: Mapping[str, tuple[tuple[float, float, float], ...]] = {
+    "toilet": ((0.80, 0.60, 2.0), (0.92, 0.76, 0.6)),
+    "washbasin": ((0.76, 0.70, 1.5), (1.02, 0.76, 0.3)),
+    "washing_set": ((0.0, 0.70, 1.0),), "washing_machine": ((0.0, 0.60, 0.3),),
+}  # fmt: skip
+"""Width and depth of the floor before a fixture, and what the rules about it weigh."""
+_ENTRY_M, _ENTRY = 0.6, ((0.60, 1.0), (0.76, 0.3))
+"""Width of the floor at one side of a bath or shower; depths, and what their rules weigh."""
+_LEAST: Mapping[str, tuple[float, float]] = {
+    "washbasin": (0.5, 0.0), "shower": (0.8, 0.8), "bathtub": (1.5, 0.0),
+}  # fmt: skip
+_STEP_M, _SLACK_M = 0.1, 0.015
+_PLACES, _BEAM, _OFFERED = 48, 300, 24
+"""Of a fixture; of combinations on the way; of rooms that are weighed by all rules."""
+_MOST_FIXTURES = 4
+
+
+@dataclass(frozen=True, eq=False)
+class _Places:
+    """Where one fixture may stand, the cheapest places first."""
+
+    items: list[Item]
+    rects: Rects
+    zones: list[tuple[Rects, float]]
+    """Floor that is needed before each, and what it weighs."""
+    cost: FloatArray
+
+
+def composed(view: View) -> Iterator[Change]:
+    """The room with its fixtures placed together, the cheapest rooms first."""
+    own = [item for item in view.items if item.category in FIXTURES]
+    rest = tuple(item for item in view.items if item.category not in FIXTURES)
+    for wanted in _wanted(view, own):
+        if not 0 < len(wanted) <= _MOST_FIXTURES:
+            continue
+        places = [_places(view, rest, item) for item in wanted]
+        if all(len(one.items) for one in places):
+            for chosen in _combined(places):
+                yield (*rest, *(one.items[at] for one, at in zip(places, chosen, strict=True)))
+
+
+def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
+    """What the room holds with what it lacks; without; in a small WC, the toilet alone."""
+    kind, area_m2 = view.shell.kind, view.shell.area_m2
+    missing = lacking(kind, area_m2, [item.category for item in own])
+    by_name = {one.name: one.categories for one in ESSENTIALS.get(kind, ())}
+    new = [min(by_name[name] & _NEW_M.keys(), key=[*_NEW_M].index) for name in missing]
+    if new:
+        nowhere = Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 0.0)
+        more = [new_piece(view, name, replace(nowhere, size_m=_NEW_M[name])) for name in new]
+        yield _sorted([*own, *more])
+    yield _sorted(own)
+    if kind == "wc" and area_m2 < FEWER_BELOW_M2["wc"][0][0]:
+        yield [item for item in own if item.category == "toilet"][:1]
+
+
+def _sorted(items: Sequence[Item]) -> list[Item]:
+    return sorted(items, key=lambda item: -item.box.size_m[0] * item.box.size_m[1])
+
+
+def _places(view: View, rest: Change, item: Item) -> _Places:
+    options = [(*rest, replace(item, box=box)) for box in _boxes(view, item)]
+    items = [change[-1] for change in free_of_clashes(view, options)]
+    if not items:
+        return _Places([], View(view.shell, ()).rects, [], np.zeros(0))
+    entries = (0, -1, 1) if item.category in WET else (0,)
+    # A bath or shower is entered over its front or over one of its sides.
+    items = [one for one in items for _ in entries]
+    rects = View(view.shell, tuple(items)).rects
+    zones = _zones(item.category, rects, np.tile(entries, len(items) // len(entries)))
+    standing = View(view.shell, rest).rects
+    cost = _own_cost(view, item.category, items)
+    for zone, weight in zones:
+        short = beyond_walls(zone.corners, view.shell)
+        if rest:
+            short = np.maximum(short, zone.depths(standing).max(axis=1))
+        cost += _priced(short, weight)
+    best = np.argsort(cost, kind="stable")[:_PLACES]
+    return _Places([items[at] for at in best], rects.of(best),
+                   [(zone.of(best), weight) for zone, weight in zones], cost[best])  # fmt: skip
+
+
+def _boxes(view: View, item: Item) -> Iterator[Box]:
+    """At the ends and in the middle of each wall; what is not bathed in, all along it."""
+    row = CATEGORIES[item.category]
+    length, depth, height = item.box.size_m
+    for wide, deep in dict.fromkeys(((length, depth), *_SIZES[item.category])):
+        if row.is_undersized((wide, deep, height)):
+            continue
+        for start, end in view.shell.walls:
+            frame = WallFrame.between(start, end)
+            boxes = list(frame.boxes((wide, deep, height), _STEP_M))
+            if item.category in WET and boxes:
+                boxes = [boxes[0], boxes[-1]]
+            if boxes:
+                yield from boxes
+                yield frame.box(frame.length_m / 2, 0.0, (wide, deep, height), 0.0)
+
+
+def _zones(category: str, rects: Rects, entries: FloatArray) -> list[tuple[Rects, float]]:
+    if category not in WET:
+        return [(_zone(rects, np.zeros(len(rects.at)), wide, deep), weight)
+                for wide, deep, weight in _NEEDS[category]]  # fmt: skip
+    return [(_zone(rects, entries, 0.0, deep), weight) for deep, weight in _ENTRY]
+
+
+def _zone(rects: Rects, entries: FloatArray, wide_m: float, deep_m: float) -> Rects:
+    """Floor before the front of pieces (0), as wide as these or wider and reaching to their back
+    where it is; or beside them (-1 left, 1 right), as wide as an entry."""
+    side = np.asarray(entries, float)[:, None]
+    is_side = side != 0.0
+    half = rects.half.copy()
+    if wide_m > 0.0:
+        half[:, 0] = np.maximum(half[:, 0], wide_m / 2)
+        half[:, 1] += deep_m / 2
+        return Rects(rects.at + rects.front * deep_m / 2, rects.right, rects.front, half - _SLACK_M)
+    ahead = rects.front * (rects.half[:, 1:] + deep_m / 2)
+    beside = rects.right * side * (rects.half[:, :1] + deep_m / 2)
+    front = np.stack([np.minimum(half[:, 0], _ENTRY_M / 2), np.full(len(half), deep_m / 2)], axis=1)
+    aside = np.stack([np.full(len(half), deep_m / 2), half[:, 1] - 0.1], axis=1)
+    return Rects(rects.at + np.where(is_side, beside, ahead), rects.right, rects.front,
+                 np.where(is_side, aside, front) - _SLACK_M)  # fmt: skip
+
+
+def _own_cost(view: View, category: str, items: Sequence[Item]) -> FloatArray:
+    """Sizes, and a toilet that faces the door."""
+    cost = np.zeros(len(items))
+    least = _LEAST.get(category)
+    if least:
+        sizes = np.array([item.box.size_m[:2] for item in items])
+        cost += ((sizes < np.array(least) - 1e-6).any(axis=1)) * 1.0
+    if category == "shower":
+        cost += 0.3 * (np.array([min(item.box.size_m[:2]) for item in items]) < 0.9 - 1e-6)
+    if category == "toilet":
+        seen = View(view.shell, tuple(items))
+        cost += [1.0 * faces_door(seen, at) for at in range(len(items))]
+    return cost
+
+
+def _priced(short: FloatArray, weight: float) -> FloatArray:
+    """What missed floor costs: most of it for any, the rest by how much is missed."""
+    return np.where(short > TOUCH_M, weight * (0.6 + np.minimum(short, 0.8) / 2), 0.0)
+
+
+def _combined(places: Sequence[_Places]) -> Iterator[tuple[int, ...]]:
+    """Numbers of places of all fixtures together, the cheapest first."""
+    chosen = np.arange(len(places[0].items))[:, None]
+    cost = places[0].cost
+    for nth, own in enumerate(places[1:], 1):
+        total = cost[:, None] + own.cost[None]
+        for before, other in enumerate(places[:nth]):
+            total = total + _together(other, own)[chosen[:, before]]
+        order = np.argsort(total, axis=None, kind="stable")[:_BEAM]
+        order = order[np.isfinite(total.ravel()[order])]
+        first, second = np.unravel_index(order, total.shape)
+        chosen, cost = np.column_stack([chosen[first], second]), total.ravel()[order]
+    seen: set[tuple[int, ...]] = set()
+    for row in chosen[:_BEAM].tolist():
+        # Places that differ in the entry alone are one.
+        key = tuple(id(one.items[at]) for one, at in zip(places, row, strict=True))
+        if key not in seen and len(seen) < _OFFERED:
+            seen.add(key)
+            yield tuple(row)
+
+
+def _together(one: _Places, other: _Places) -> FloatArray:
+    """(N, M) what places of two fixtures cost beside each other; infinite where they overlap."""
+    cost = np.where(one.rects.depths(other.rects) > TOUCH_M, np.inf, 0.0)
+    for zone, weight in one.zones:
+        cost += _priced(zone.depths(other.rects), weight)
+    for zone, weight in other.zones:
+        cost += _priced(zone.depths(one.rects), weight).T
+    return cost

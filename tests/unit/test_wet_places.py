@@ -1,0 +1,87 @@
+"""Fixtures placed together along the walls of bathrooms, washrooms and WCs."""
+
+from __future__ import annotations
+
+import pytest
+
+from chord_usd.base.metrics.design import judged_room
+from chord_usd.base.metrics.design.price import tight
+from chord_usd.base.metrics.design.shell import shells
+from chord_usd.base.metrics.design.view import View
+from chord_usd.base.scene.types import Box, Item, Opening, Room, RoomKind, frozen_array
+from chord_usd.line.lists.improve import improved
+from chord_usd.line.lists.wet_places import composed
+
+SIZES = {
+    "toilet": (0.38, 0.6, 0.78), "washbasin": (0.37, 0.27, 0.85), "shower": (0.78, 0.78, 2.0),
+    "bathtub": (1.5, 0.7, 0.55), "washing_machine": (0.6, 0.6, 0.85),
+}  # fmt: skip
+
+
+def view_of(kind: RoomKind, size: tuple[float, float], *names: str, window: bool = False) -> View:
+    """A room with a door in the middle of its south wall, pieces in a heap in a corner."""
+    east, north = size
+    corners = frozen_array([(0.0, 0.0), (east, 0.0), (east, north), (0.0, north)])
+    door = Opening("d", "door", Box((east / 2, -0.12, 0.0), (0.7, 0.24, 2.1), 0.0), ("r",))
+    pane = Opening("w", "window", Box((east / 2, north + 0.12, 0.9), (0.8, 0.24, 1.2), 0.0), ("r",))
+    room = Room("r", kind, corners)
+    holes = (door, pane) if window else (door,)
+    items = []
+    for name in names:
+        long, deep, high = SIZES[name]
+        box = Box((long / 2, north - deep / 2, 0.0), (long, deep, high), 0.0)
+        items.append(Item(name, name, box, "r"))
+    return View(shells((room,), holes)["r"], tuple(items))
+
+
+def planned(view: View) -> View:
+    return improved(view, lambda _: 0.0, [composed])
+
+
+def broken(view: View) -> set[str]:
+    return {found.rule for one in judged_room(view) for found in one.findings}
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "names", "may_miss"),
+    [
+        ("wc", (0.84, 2.0), ("toilet",), {"comfortably"}),
+        ("wc", (1.4, 1.8), ("toilet", "washbasin"), {"comfortably"}),
+        ("bathroom", (1.9, 2.3), ("toilet", "washbasin", "shower"), {"comfortably"}),
+        ("bathroom", (2.2, 2.8), ("toilet", "washbasin", "bathtub"), set()),
+        ("bathroom", (2.6, 3.2), ("toilet", "washbasin", "bathtub", "shower"), {"comfortably"}),
+        ("washroom", (1.5, 2.2), ("washbasin", "washing_machine"), {"comfortably"}),
+        ("bathroom", (2.2, 2.6), ("toilet",), {"comfortably"}),  # what it lacks comes, too
+    ],
+)
+@pytest.mark.parametrize("window", [False, True])
+def test_fixtures_keep_the_published_clearances(
+    kind: RoomKind, size: tuple[float, float], names: tuple[str, ...], may_miss: set[str],
+    window: bool,
+) -> None:  # fmt: skip
+    crowded = view_of(kind, size, *names, window=window)
+    made = planned(crowded)
+    missed = {rule for rule in broken(made) if not any(word in rule for word in may_miss)}
+    assert not missed
+    assert tight(made) == 0
+    assert {*names} <= {*made.categories}
+    ids = {item.id for item in crowded.items}
+    assert ids <= {item.id for item in made.items}
+
+
+def test_a_narrow_wc_has_its_toilet_in_the_middle_and_no_basin() -> None:
+    made = planned(view_of("wc", (0.84, 2.0), "toilet", "washbasin"))
+    assert made.categories == ["toilet"]
+    assert made.items[0].box.center_m[0] == pytest.approx(0.42, abs=0.03)
+
+
+def test_a_room_that_holds_nothing_that_fits_stays_as_it_is() -> None:
+    view = view_of("bathroom", (0.7, 0.9), "toilet")
+    assert planned(view) is view
+    assert not list(composed(view_of("bathroom", (0.7, 0.9))))
+
+
+def test_the_same_room_is_composed_alike() -> None:
+    view = view_of("bathroom", (1.9, 2.3), "toilet", "washbasin", "shower")
+    first, second = ([item.box for one in composed(view) for item in one] for _ in range(2))
+    assert first == second
