@@ -14,7 +14,7 @@ import shapely
 
 from chord_usd.base.metrics.clear_floor import clearances, enters_height, shut_borders
 from chord_usd.base.metrics.fronts import FRONT, STRIP_M, USED_SIDES, floor_before, shut_fronts
-from chord_usd.base.metrics.walk import free_floor, walk
+from chord_usd.base.metrics.walk import entrance, free_floor, walk
 from chord_usd.base.scene.geometry import (
     footprint,
     footprint_polygon,
@@ -225,7 +225,38 @@ def test_a_radiator_leaves_the_way_past_a_bed(gap_m: float, heated: bool) -> Non
     assert not any(walk(graph).unreachable for graph in found)
     radiators = [one for graph in found for one in graph.dressing if one.category == "radiator"]
     assert radiators
-    assert heated == any(one.box.center_m[0] < 0.3 for one in radiators)
+    window = np.array([-0.12, 2.5])
+    near = [np.hypot(*(np.array(one.box.center_m[:2]) - window)) < 0.5 for one in radiators]
+    assert heated == any(near)
+
+
+@pytest.mark.parametrize("seed", HOUSES)
+def test_every_room_that_people_live_in_is_heated_or_none(seed: int) -> None:
+    graph = dressed(seed)
+    heated = {one.room_id for one in graph.dressing if one.category == "radiator"}
+    lived = {
+        room.id
+        for room in graph.rooms
+        if room.kind in ("living", "dining", "bedroom", "study", "kitchen", "unknown")
+    }
+    assert not heated & lived or heated >= lived
+
+
+def test_coats_and_a_mirror_hang_at_most_front_doors() -> None:
+    near: Counter[str] = Counter()
+    for seed in HOUSES:
+        graph = dressed(seed)
+        door = entrance(graph)
+        assert door is not None
+        at_door = {
+            one.category
+            for one in graph.dressing
+            if one.room_id in door.room_ids
+            and np.hypot(*np.subtract(one.box.center_m[:2], door.box.center_m[:2])) < 3.5
+        }
+        near.update(at_door)
+    assert near["hook_rail"] > len(HOUSES) / 2
+    assert near["mirror"] > len(HOUSES) / 2
 
 
 @pytest.mark.parametrize("seed", range(3))

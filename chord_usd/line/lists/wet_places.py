@@ -48,7 +48,7 @@ _LEAST: Mapping[str, tuple[float, float]] = {
     "washbasin": (0.5, 0.0), "shower": (0.8, 0.8), "bathtub": (1.5, 0.0),
 }  # fmt: skip
 _STEP_M, _SLACK_M = 0.1, 0.015
-_PLACES, _BEAM, _OFFERED = 48, 300, 24
+_PLACES, _BEAM, _OFFERED = 40, 200, 12
 """Of a fixture; of combinations on the way; of rooms that are weighed by all rules."""
 _MOST_FIXTURES = 4
 
