@@ -59,7 +59,12 @@ def changes_of(view: View) -> list[Propose]:
         return []
     seats = partial(more_chairs, seats=max(2, seats_at(view)))
     wet = [composed] if view.shell.kind in WET_KINDS else []
-    own = [*wet, *BY_KIND.get(view.shell.kind, ()), *([seats] if view.of("dining_table") else []), moved]
+    own = [
+        *wet,
+        *BY_KIND.get(view.shell.kind, ()),
+        *([seats] if view.of("dining_table") else []),
+        moved,
+    ]
     return [*own, zoned] if view.shell.kind == "living" else own
 
 

@@ -32,7 +32,7 @@ from chord_usd.line.lists.other_places import sofa_groups, zoned
 from chord_usd.line.lists.pieces import TALL_M
 
 _WASHER_M = (0.6, 0.6, 0.85)
-_SHELVES_M = (0.8, 0.4, 2.0)
+_SHELVES_M = ((1.6, 0.4, 2.0), (0.8, 0.4, 2.0), (0.6, 0.38, 2.0))
 _SHOES_M = ((0.8, 0.3, 1.1), (0.6, 0.25, 1.1))
 _TV_M = (1.2, 0.35, 0.45)
 _EASY_M = (0.8, 0.8, 0.85)
@@ -77,7 +77,7 @@ def _laundry(home: HomeView) -> Iterator[Repair]:
 
 def _storage(home: HomeView) -> Iterator[Repair]:
     for at in _of_kinds(home, ("store",)):
-        yield at, iter([partial(_added, category="cabinet", sizes=[_SHELVES_M])])
+        yield at, iter([partial(_added, category="cabinet", sizes=_SHELVES_M)])
 
 
 def _table(home: HomeView) -> Iterator[Repair]:
