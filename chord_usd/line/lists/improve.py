@@ -16,7 +16,7 @@ from chord_usd.line.lists.changes import Change, Propose
 LEAST_GAIN = 1e-6
 _WEIGHED = 24
 """Changes of one kind that are weighed by all rules, evenly of those that clash with nothing."""
-_LOOKED_AT = 6
+_LOOKED_AT = 4
 """Of the changes of one kind, so many of the best are looked at exactly."""
 
 

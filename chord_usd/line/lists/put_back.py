@@ -11,7 +11,7 @@ from itertools import count
 import numpy as np
 
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
-from chord_usd.base.metrics.design.price import home_price, room_prices
+from chord_usd.base.metrics.design.price import broken_share, home_price, room_prices
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import is_to_furnish
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
@@ -42,24 +42,33 @@ def put_back(
     rooms: Collection[str],
     decided: Collection[str],
     finish: Callable[[SceneGraph], SceneGraph],
+    *,
+    is_searched: bool = False,
 ) -> SceneGraph:
     """The finished house with lost pieces in their rooms.
 
     listed: the pieces of lists. rooms: ids of those that are looked at. decided: of these where
     somebody else says what they hold: nothing but lost pieces is added. finish: leaves out what
     must not stand; a room that it takes pieces from stays as it was unless it costs less.
+    is_searched: whether the lists went through here: what they lack is not looked for again.
     """
     work = _Work(graph)
+    before = view_home(listed) if is_searched else None
     for at, view in enumerate(work.home.rooms):
         if view.shell.room.id not in rooms:
             continue
         own = listed.items_of(view.shell.room.id)
         work.change(at, (placed_again(item) for item in lost(view.items, own)), gain=0.0)
-        for _ in range(0 if view.shell.room.id in decided else _ROUNDS):
-            if not work.change(at, changes_of(work.home.rooms[at])):
+        if view.shell.room.id in decided:
+            continue
+        for _ in range(_ROUNDS):
+            now = work.home.rooms[at]
+            if before and broken_share(now) <= broken_share(before.rooms[at]):
+                break
+            if not work.change(at, changes_of(now)):
                 break
     work.furnish_empty(set(rooms) - set(decided))
-    work.repair(set(rooms) - set(decided))
+    work.repair(set(rooms) - set(decided), lacking(before) if before else ())
     return _finished(graph, work.made(), finish)
 
 
@@ -97,9 +106,11 @@ class _Work:
                 pieces = first_pieces(self._graph, room.id)
                 self.change(at, [lambda _, own=pieces: ((one,) for one in own)], gain=-_EMPTY)
 
-    def repair(self, rooms: Collection[str]) -> None:
-        """Give the home what it lacks, in these rooms."""
+    def repair(self, rooms: Collection[str], known: Collection[str]) -> None:
+        """Give the home what it lacks, in these rooms. known: rules that no room could keep."""
         for rule in lacking(self.home):
+            if rule in known:
+                continue
             for at, changes in repairs(self.home, rule):
                 if self.home.rooms[at].shell.room.id in rooms:
                     any(self.change(at, [propose]) for propose in changes)

@@ -226,7 +226,7 @@ def redraw(made: FurnishedStorey, progress: Progress) -> None:
             from chord_usd.line.lists.put_back import put_back
 
             open_rooms = {room.id for room in graph.rooms} - draw.shut
-            graph = put_back(graph, made.listed, open_rooms, draw.asked, finish)
+            graph = put_back(graph, made.listed, open_rooms, draw.asked, finish, is_searched=True)
     draw.refuse_lacking(graph)
     made.graph = steps.in_style(with_networks(graph, settings), made.style)
 
