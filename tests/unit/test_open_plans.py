@@ -23,7 +23,7 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.line.plan.floor_parts import part_floors, part_open_plans
-from chord_usd.line.plan.home_uses import Floor, Uses, uses_of_home
+from chord_usd.line.plan.home_uses import Floor, Uses, named_pieces, uses_of_home
 from chord_usd.line.plan.labels import uses_named
 from chord_usd.line.plan.open_plans import Use, part_room
 from chord_usd.line.plan.seen_kinds import seen_kinds
@@ -250,6 +250,39 @@ def test_a_named_kitchen_is_the_only_one(first):
     uses = uses_of_home([rows[at] for at in order], True)
     assert [use.kind for use in uses].count("kitchen") == 1
     assert not any("kitchen" in use.further for use in uses)
+
+
+def test_a_front_door_and_many_ways_make_a_hall_and_no_dining_room():
+    """The hall of r3d_47541863, into which six doors lead, was read as a dining room."""
+    seen = chances(hall={"dining": 0.45, "corridor": 0.3}, bed={}, bath={}, large={})
+    told, areas = ["unknown", "bedroom", "bathroom", "living"], [10.0, 12.0, 4.0, 20.0]
+    quiet, busy = {"ways": 1}, {"ways": 6, "is_outer": True}
+    assert uses_of_home(floors(seen, areas, told, floor0=quiet), True)[0].kind == "dining"
+    assert uses_of_home(floors(seen, areas, told, floor0=busy), True)[0].kind == "corridor"
+
+
+def test_one_enters_a_hall_and_not_a_store():
+    seen = chances(entered={"store": 0.6, "corridor": 0.3}, bed={"bedroom": 0.9}, bath={})
+    told = ["unknown", "bedroom", "bathroom"]
+    rows = floors(seen, [5.0, 12.0, 4.0], told, floor0={"is_outer": True})
+    assert uses_of_home(rows, True)[0].kind == "corridor"
+    assert uses_of_home(rows, False)[0].kind == "store"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [("Bett", "bedroom"), ("stove", "kitchen"), ("ソファ", "living"), ("badewanne", "bathroom")],
+)
+def test_words_for_furniture_say_what_a_floor_is_for(text, kind):
+    assert set(named_pieces([text])) == {kind}
+    seen = chances(plain={"study": 0.55, kind: 0.2})
+    rows = floors(seen, [9.0], ["unknown"], floor0={"drawn": named_pieces([text])})
+    assert uses_of_home(rows, False)[0].kind == kind
+
+
+@pytest.mark.parametrize("text", ["Bedroom", "WC", "Scale 1:100", "Tower"])
+def test_names_of_rooms_and_other_words_are_no_furniture(text):
+    assert named_pieces([text]) == {}
 
 
 def test_a_use_without_a_place_goes_elsewhere():

@@ -49,7 +49,7 @@ from chord_usd.line.plan.doubts import (
 from chord_usd.line.plan.fitted import Fit, fit
 from chord_usd.line.plan.floor_parts import part_floors
 from chord_usd.line.plan.home_graph import dwellings_of, work_names
-from chord_usd.line.plan.home_uses import Floor, Uses, speaking, uses_of_home
+from chord_usd.line.plan.home_uses import Floor, Uses, named_pieces, speaking, uses_of_home
 from chord_usd.line.plan.labels import named_by_texts, numbered, seen_as, texts_in, uses_named
 from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.parts import parts_of
@@ -468,8 +468,10 @@ def _floors(
             Floor(
                 outline.kinds, room.kind, frozenset(use.kind for use in named),
                 polygon.area if seen else None, seen.kinds.areas_m2(polygon) if seen else {},
-                speaking(seen.pieces if seen else (), polygon),
+                speaking(seen.pieces if seen else (), polygon)
+                | named_pieces(text.text for text in texts_in(room, page.texts, frame)),
                 sum(o.kind != "window" and len(o.rooms) == 2 for o in own),
+                any(o.kind == "door" and len(o.rooms) == 1 for o in own),
                 not has_windows or any(o.kind == "window" for o in own), outline.stairs,
             )
         )  # fmt: skip

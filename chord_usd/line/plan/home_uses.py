@@ -1,22 +1,27 @@
 """What the floors of a home are for: one most likely assignment of uses to all of them together.
 
 What speaks for a use of a floor is in nats: its names, what is drawn there, its size, its doors,
-windows and stairs. What speaks for the home is in nats, too: it has a bath, a bed, a seat, and
-exactly one kitchen where one is named or drawn. A floor may have several uses, as in an open plan.
-The best assignment is exact: the home's needs depend on counts alone, so that floors are taken one
-after the other, with the best way to each count (dynamic programming).
+windows and stairs. What speaks for the home is in nats, too: it has an entrance, a bath, a bed, a
+seat, and exactly one kitchen where one is named or drawn. A floor may have several uses, as in an
+open plan. The best assignment is exact: the home's needs depend on counts alone, so that floors are
+taken one after the other, with the best way to each count (dynamic programming).
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 from shapely.geometry import Point, Polygon
 
 from chord_usd.base.raster.page_labels import KIND_NAMES
+from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.room_areas import plausibility
+from chord_usd.base.scene.room_names import room_kind
+from chord_usd.base.scene.room_words import plain
 from chord_usd.base.scene.types import WET_KINDS, FloatArray, Item, RoomKind, learned_kind
 from chord_usd.line.plan.open_plans import can_share
 
@@ -24,7 +29,9 @@ _SURE = 0.5
 """A room's kind is known from this chance on."""
 _LEAST_CHANCE = 1e-3
 
-_MISSED: dict[str, float] = {"bathroom": 4.0, "bed": 3.0, "seat": 2.0, "kitchens": 2.5}
+_MISSED: dict[str, float] = {
+    "bathroom": 4.0, "bed": 3.0, "seat": 2.0, "kitchens": 2.5, "entrance": 1.5
+}  # fmt: skip
 """Nats that a home without it costs, by the fields of _Counts."""
 _MISSED_NAMED = 12.0
 """Nats that a home costs without the kitchen that is named."""
@@ -54,6 +61,10 @@ _ON_STAIRS, _STAIRS = 3.0, 0.2
 """Nats of a use on floor of which stairs take up this share, but for corridors."""
 _MANY_WAYS, _HALL_NATS = 3, 0.7
 """Doors and passages from which on a floor is rather a corridor, and no bath or store."""
+_MOST_WAYS = 4
+"""...and none but a living room: nats of each further one."""
+_ENTERED: frozenset[RoomKind] = frozenset({"corridor", "living", "kitchen", "dining"})
+"""What a front door leads into."""
 _WINDOWLESS: dict[RoomKind, float] = {"living": 0.7, "bedroom": 0.7, "kitchen": 0.3}
 """Nats of a room without a window in a home that has windows."""
 
@@ -76,6 +87,8 @@ class Floor:
     """Nats by the furniture and fixtures that are drawn there."""
     ways: int = 0
     """Doors and passages into other rooms."""
+    is_outer: bool = False
+    """Whether a door leads out of the house."""
     has_window: bool = True
     """Or stands in a home without any."""
     stairs: float = 0.0
@@ -113,14 +126,16 @@ class _Counts:
     bathroom: bool = False
     bed: bool = False
     seat: bool = False
+    entrance: bool = False
 
-    def more(self, uses: Uses) -> _Counts:
+    def more(self, uses: Uses, floor: Floor) -> _Counts:
         has = uses.all
         return _Counts(
             min(self.kitchens + ("kitchen" in has), 2),
             self.bathroom or not has.isdisjoint(("bathroom", "wc")),
             self.bed or bool(has & {"bedroom", "study"}),
             self.seat or bool(has & {"living", "dining"}),
+            self.entrance or (floor.is_outer and uses.kind in _ENTERED),
         )
 
 
@@ -139,7 +154,7 @@ def uses_of_home(
         options = list(_options(floor, {use for at, use in banned if at == index}, is_home))
         for counts, (nats, way) in best.items():
             for more, uses in options:
-                after = counts.more(uses)
+                after = counts.more(uses, floor)
                 is_second = "kitchen" in uses.all and (is_named or counts.kitchens > 0)
                 total = nats + more - _SECOND_KITCHEN * (is_second and not floor.names_kitchen)
                 if after not in reached or total > reached[after][0]:
@@ -188,6 +203,30 @@ def speaking(pieces: Iterable[Item], floor: Polygon) -> dict[RoomKind, float]:
     return found
 
 
+def named_pieces(texts: Iterable[str]) -> dict[RoomKind, float]:
+    """Nats for kinds of a floor by furniture and fixtures that are named there, and are no names of
+    rooms: "Bett", "stove"."""
+    found: dict[RoomKind, float] = {}
+    for text in texts:
+        words = re.findall(r"\w+", plain(text.casefold()))
+        phrases = {"_".join(words[a:b]) for a in range(len(words)) for b in range(a + 1, a + 4)}
+        for piece in {_piece_words()[phrase] for phrase in phrases & _piece_words().keys()}:
+            kind, nats = _SPEAKS[piece]
+            found[kind] = min(found.get(kind, 0.0) + nats, _MOST_SPOKEN)
+    return found
+
+
+@cache
+def _piece_words() -> dict[str, str]:
+    """Category by each word for what speaks for a kind of room."""
+    return {
+        plain(word): name
+        for name in _SPEAKS
+        for word in category(name).words
+        if room_kind(word.replace("_", " ")) == "unknown"
+    }
+
+
 def _drawn(floor: Floor, uses: Uses) -> float:
     kinds = {learned_kind(kind) for kind in uses.all}
     return sum(nats for kind, nats in floor.drawn.items() if kind in kinds)
@@ -208,6 +247,8 @@ def _speaks_against(floor: Floor, kind: RoomKind) -> float:
         nats += _ON_STAIRS
     if floor.ways >= _MANY_WAYS and kind in (*WET_KINDS, "store"):
         nats += _HALL_NATS
+    if floor.ways > _MOST_WAYS and kind not in ("corridor", "living", "unknown"):
+        nats += _HALL_NATS * (floor.ways - _MOST_WAYS)
     return nats
 
 
