@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import pytest
 
+from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.types import Box, Opening, Plan, Room, frozen_array
 from chord_usd.line.plan.doubts import CUT_OFF, NO_ROOM, OF_SEVERAL
 from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.placement import WARNINGS
 from chord_usd.line.plan.scale_choice import CHECK_SCALE
-from chord_usd.line.plan.verdict import doubts_placed, symptoms_of, verdict_of
+from chord_usd.line.plan.verdict import doubts_placed, refuse_unsure, symptoms_of, verdict_of
 
 
 def room(name, kind, west, confidence=0.9):
@@ -89,3 +90,18 @@ def test_doubts_say_where_their_rooms_lie():
     assert first["at"][0] == pytest.approx([1.5, 1.5], abs=1.5)
     assert first["at"][1] == [6.36, 1.5]
     assert second["at"] == []
+
+
+def unsure(rooms, openings):
+    return Plan(
+        tuple(replace(one, kind="unknown", extra={CONFIDENCE: rooms}) for one in SURE.rooms * 5),
+        tuple(replace(one, extra={CONFIDENCE: openings}) for one in SURE.openings * 5),
+    )
+
+
+def test_what_shows_nothing_sure_is_refused_with_counts():
+    """A circuit diagram became a home of eight kitchens; views in perspective, flats of 25 rooms."""
+    with pytest.raises(PlanError, match="25 of 25 openings and 0 of 30 outlines"):
+        refuse_unsure(unsure(0.9, 0.2))
+    refuse_unsure(unsure(0.4, 0.6))
+    refuse_unsure(SURE)

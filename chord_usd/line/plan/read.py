@@ -24,7 +24,7 @@ from chord_usd.line.plan.decode import decode_plan
 from chord_usd.line.plan.picture import read_picture
 from chord_usd.line.plan.placement import PAGE, WARNINGS
 from chord_usd.line.plan.vector import is_svg, is_vector
-from chord_usd.line.plan.verdict import judged
+from chord_usd.line.plan.verdict import judged, refuse_unsure
 
 if TYPE_CHECKING:
     from chord_usd.line.plan.vector.pdf import PdfPage

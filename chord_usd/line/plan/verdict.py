@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
 from typing import Any, Literal
 
+from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import Plan
 from chord_usd.line.plan.doubts import (
@@ -34,6 +35,8 @@ SAID: dict[str, str] = {
 
 _LOOK, _WRONG = 0.35, 2.1
 """Sums of symptoms, each with its weight, from which on a reading is doubtful, and wrong."""
+_NOTHING, _MANY = 4.5, 20
+"""Sum of symptoms from which on nothing is sure, and so many openings of which none is."""
 _MOST_UNKNOWN = 0.34
 """Share of rooms without a kind in a reading that is right."""
 _WORD = re.compile(r"\w+")
@@ -92,6 +95,20 @@ def symptoms_of(plan: Plan) -> Symptoms:
         any(CUT_OFF in one for one in told),
         sum(room.kind == "unknown" for room in plan.rooms) / rooms,
     )
+
+
+def refuse_unsure(plan: Plan) -> None:
+    """Raises PlanError for a reading of which hardly anything is sure: diagrams, views in
+    perspective, several drawings in one."""
+    vague, count = sum(map(is_vague, plan.openings)), len(plan.openings)
+    if symptoms_of(plan).total >= _NOTHING or (count >= _MANY and vague == count):
+        shaky = sum(map(is_shaky, plan.rooms))
+        raise PlanError(
+            f"hardly anything on it is sure: {vague} of {count} openings and {shaky} of"
+            f" {len(plan.rooms)} outlines are not",
+            expected="the plan of one floor, seen straight from above",
+            try_="a clearer picture, cut to one floor",
+        )
 
 
 def judged(plan: Plan) -> Plan:
