@@ -178,8 +178,3 @@ def at_30_degrees(plan: Plan) -> np.ndarray:
     matrix = cv2.getPerspectiveTransform(flat, seen)
     whole = int(side + 2 * reach)
     return cv2.warpPerspective(page, matrix, (whole, whole), borderValue=(60, 45, 40))
-
-
-def large_scan(plan: Plan, side_px: int = 20_000) -> np.ndarray:
-    page = draw_symbols(plan)
-    return cv2.resize(page, (side_px, side_px), interpolation=cv2.INTER_NEAREST)

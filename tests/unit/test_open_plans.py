@@ -252,6 +252,14 @@ def test_a_named_kitchen_is_the_only_one(first):
     assert not any("kitchen" in use.further for use in uses)
 
 
+def test_a_kitchen_that_is_drawn_is_no_reason_for_a_bed():
+    """The courtyard of es_casaraiz, where a hob was seen, became a living room with a bedroom."""
+    seen = chances(large={"living": 0.8}, named={}, bed={}, bath={})
+    told, areas = ["unknown", "kitchen", "bedroom", "bathroom"], [24.0, 6.0, 12.0, 4.0]
+    rows = floors(seen, areas, told, floor0={"drawn_m2": {"kitchen": 4.0}})
+    assert "bedroom" not in uses_of_home(rows, True)[0].further
+
+
 def test_a_front_door_and_many_ways_make_a_hall_and_no_dining_room():
     """The hall of r3d_47541863, into which six doors lead, was read as a dining room."""
     seen = chances(hall={"dining": 0.55, "corridor": 0.3}, bed={}, bath={}, large={})

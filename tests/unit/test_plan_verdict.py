@@ -100,7 +100,7 @@ def unsure(rooms, openings):
 
 
 def test_what_shows_nothing_sure_is_refused_with_counts():
-    """A circuit diagram became a home of eight kitchens; views in perspective, flats of 25 rooms."""
+    """A circuit diagram became a home of eight kitchens; so did views in perspective."""
     with pytest.raises(PlanError, match="25 of 25 openings and 0 of 30 outlines"):
         refuse_unsure(unsure(0.9, 0.2))
     refuse_unsure(unsure(0.4, 0.6))

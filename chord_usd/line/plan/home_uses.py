@@ -190,7 +190,7 @@ def _options(
             cost = _hosting(floor, kind, use)
             if cost is not None:
                 shared = Uses(kind, plain.further | {use}, plain.chance)
-                yield nats - cost + _drawn(floor, shared), shared
+                yield nats - cost - _unexplained(floor, shared) + _drawn(floor, shared), shared
 
 
 def speaking(pieces: Iterable[Item], floor: Polygon) -> dict[RoomKind, float]:

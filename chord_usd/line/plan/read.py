@@ -63,7 +63,13 @@ def read_plan_file(
         )
     warnings = _warnings(plan)
     plan = replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
-    return plan if _is_json(path) else judged(with_wet_kinds(plan))
+    if _is_json(path):
+        return plan
+    try:
+        refuse_unsure(plan)
+    except PlanError as error:
+        raise _at(path, error) from error
+    return judged(with_wet_kinds(plan))
 
 
 def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan]:
