@@ -10,11 +10,13 @@ import pytest
 from chord_usd.base.metrics.complete import homely_rooms, is_complete
 from chord_usd.base.metrics.rooms import stands_in
 from chord_usd.base.scene.chord_json import plan_from_json, plan_to_json
+from chord_usd.base.scene.drawn_pieces import DRAWN, to_entry
 from chord_usd.base.scene.style_looks import GROUP_OF
 from chord_usd.base.scene.types import (
     LEARNED_KINDS,
     ROOM_KINDS,
     Box,
+    Item,
     Opening,
     Plan,
     Room,
@@ -86,8 +88,13 @@ def test_what_is_drawn_decides() -> None:
     drawn = {"r1": "washing_basin", "r2": "bathtub", "r3": "toilet"}
     marks = [{"category": name, "x": float(plan.room(room).polygon_m[:, 0].mean()), "y": 1.0}
              for room, name in drawn.items()]  # fmt: skip
-    found = with_wet_kinds(Plan(plan.rooms, plan.openings, {"fixtures": marks}))
-    assert [room.kind for room in found.rooms[2:]] == ["washroom", "bathroom", "wc"]
+    seen = [
+        Item("", "washbasin" if "basin" in name else name, Box((x, 1.0, 0.0), (0.6, 0.6, 0.6), 0.0))
+        for name, x in ((mark["category"], mark["x"]) for mark in marks)
+    ]
+    for extra in ({"fixtures": marks}, {DRAWN: to_entry(seen)}):
+        found = with_wet_kinds(Plan(plan.rooms, plan.openings, extra))
+        assert [room.kind for room in found.rooms[2:]] == ["washroom", "bathroom", "wc"]
 
 
 @pytest.mark.parametrize("noted", [7, [3], [{"x": "a"}], [{"category": [], "x": 1, "y": None}]])

@@ -13,6 +13,7 @@ from itertools import product
 
 import shapely
 
+from chord_usd.base.scene.drawn_pieces import drawn_items
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.room_names import room_kind
 from chord_usd.base.scene.types import WET_KINDS, Opening, Plan, Room, RoomKind
@@ -49,7 +50,7 @@ def with_wet_kinds(plan: Plan, decided: Collection[str] = ()) -> Plan:
     """The plan with its wet rooms as bathrooms, washrooms and WCs.
 
     decided: ids of rooms whose kind somebody has said; what is a washroom stays one. plan.extra's
-    "fixtures" ({category, x, y}, metres) say what is drawn where.
+    "drawn" and "fixtures" ({category, x, y}, metres) say what is drawn where.
     """
     open_ids = [room.id for room in plan.rooms
                 if room.kind in ("bathroom", "wc") and room.id not in decided]  # fmt: skip
@@ -125,15 +126,18 @@ def _entered_through(rooms: Iterable[Room], openings: Iterable[Opening]) -> dict
 
 
 def _drawn(plan: Plan, rooms: Sequence[Room]) -> dict[str, set[str]]:
-    """By id of a room, the categories that plan.extra notes there; it may hold anything."""
+    """By id of a room, the categories that its drawing shows, or that plan.extra's "fixtures" note
+    there; these may hold anything."""
     noted = plan.extra.get("fixtures", ())
+    seen = [(item.category, item.box.center_m[:2]) for item in drawn_items(plan.extra)]
     found: dict[str, set[str]] = {room.id: set() for room in rooms}
     floors = [(room.id, room_polygon(room)) for room in rooms]
     for one in noted if isinstance(noted, list | tuple) else ():
         place = [one.get(axis) for axis in "xy"] if isinstance(one, Mapping) else []
         if len(place) == 2 and all(isinstance(value, int | float) for value in place):
-            at = shapely.Point(place)
-            for room_id, floor in floors:
-                if floor.intersects(at):
-                    found[room_id].add(str(one.get("category")))
+            seen.append((str(one.get("category")), (place[0], place[1])))
+    for category, place in seen:
+        for room_id, floor in floors:
+            if floor.intersects(shapely.Point(place)):
+                found[room_id].add(category)
     return found
