@@ -9,8 +9,21 @@ import numpy as np
 import pytest
 
 from chord_usd.base.errors import ChordError
+from chord_usd.base.metrics.walk import walk
 from chord_usd.base.raster import canvas
-from chord_usd.base.scene.types import Item, LayoutImage, Plan, PlanImage, Provenance, SceneGraph
+from chord_usd.base.scene.types import (
+    Box,
+    Item,
+    LayoutImage,
+    Opening,
+    Plan,
+    PlanImage,
+    Provenance,
+    Room,
+    RoomKind,
+    SceneGraph,
+    frozen_array,
+)
 from chord_usd.line.lists.list_sampler import Drawn, Subject
 from chord_usd.line.lists.pieces import frame_of, pieces_of
 from chord_usd.line.lists.vocabulary import Element
@@ -305,3 +318,22 @@ def test_a_room_furnished_anew_holds_what_is_wished_under_its_own_seed(
         anew(Painter(others), **wished(bed))
     barred = anew(Painter(own), **{room.id: Asked((), frozenset({"bed"}))})
     assert "bed" not in {i.category for i in barred.items_of(room.id)}
+
+
+def test_of_two_pieces_that_shut_a_house_one_after_another_both_go() -> None:
+    """A hall 90 cm wide between the front door and a bedroom: either piece alone shuts it."""
+    outlines = {"hall": [(0, 0), (5, 0), (5, 0.9), (0, 0.9)],
+                "bedroom": [(5.24, 0), (9, 0), (9, 3), (5.24, 3)]}  # fmt: skip
+    kinds: dict[str, RoomKind] = {"hall": "corridor", "bedroom": "bedroom"}
+    rooms = tuple(Room(name, kinds[name], frozen_array(own)) for name, own in outlines.items())
+    doors = (
+        Opening("front", "door", Box((-0.12, 0.45, 0.0), (0.8, 0.24, 2.0), 90.0), ("hall",)),
+        Opening("in", "door", Box((5.12, 0.45, 0.0), (0.8, 0.24, 2.0), 90.0), ("hall", "bedroom")),
+    )
+    items = tuple(
+        Item(f"hall/cabinet_{x}", "cabinet", Box((x, 0.6, 0.0), (0.8, 0.6, 2.0), 0.0), "hall")
+        for x in (1.8, 3.2)
+    )
+    house = SceneGraph(rooms, doors, items)
+    assert walk(house).shut
+    assert not walk(arrange_drawn(house, Draw())).shut

@@ -39,12 +39,12 @@ def free_boxes(shell: Shell, rest: Sequence[Item], boxes: Sequence[Box]) -> list
 
 def first_pieces(graph: SceneGraph, room_id: str) -> Iterator[Item]:
     """Pieces, each alone, that an empty room can hold of what its kind cannot do without, the most
-    needed first: at their least size at a wall, with every way through the room left open."""
+    needed first: of a modest size at a wall, with every way through the room left open."""
     shell = shells(graph.rooms, graph.openings)[room_id]
     for essential in ESSENTIALS.get(shell.kind, ()):
         for name in sorted(essential.categories & CATEGORIES.keys()):
             row = CATEGORIES[name]
-            size = (row.length_m[0], row.width_m[0], row.height_m[0])
+            size = (_modest(*row.length_m), _modest(*row.width_m), row.height_m[0])
             boxes = [box for start, end in shell.walls
                      for box in WallFrame.between(start, end).boxes(size, _STEP_M)]  # fmt: skip
             free = free_boxes(shell, (), boxes)
@@ -53,6 +53,11 @@ def first_pieces(graph: SceneGraph, room_id: str) -> Iterator[Item]:
                 alone = SceneGraph(graph.rooms, graph.openings, (piece,))
                 if not ways_shut(alone, shell.room):
                     yield piece
+
+
+def _modest(least_m: float, most_m: float) -> float:
+    """A size that models come in: few are as small as their kind can be."""
+    return least_m + (most_m - least_m) / 4
 
 
 def is_passage(graph: SceneGraph, room_id: str) -> bool:

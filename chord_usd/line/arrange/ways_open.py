@@ -41,16 +41,19 @@ def _rooms_opened(work: Arrangement, faults: Faults) -> SceneGraph:
             room.id for room in graph.rooms
             if any(room_polygon(room).dwithin(floor, _BESIDE_M) for floor in floors)
         }  # fmt: skip
-        tries = [
-            (len(walk(option).shut), faults(option), item.id, option)
-            for item in graph.items
-            if item.room_id in near and work.may_move(item)
-            for option in [graph.without([item.id])]
-        ]
-        left = min(tries, default=None, key=lambda each: each[:3])
-        if left is None or left[0] >= len(shut):
+        there = walk(graph).reached.area
+        tries = []
+        for item in graph.items:
+            if item.room_id in near and work.may_move(item):
+                option = graph.without([item.id])
+                way = walk(option)
+                # Of pieces one after another each shuts the rest: the first of them leads farther.
+                farther = way.reached.area > there + _LEAST_CUT_M2
+                if len(way.shut) < len(shut) or farther:
+                    tries.append((len(way.shut), faults(option), item.id, option))
+        if not tries:
             break
-        graph = left[3]
+        graph = min(tries, key=lambda each: each[:3])[3]
     return graph
 
 
