@@ -6,11 +6,11 @@
 Exit code 1 says that something was found.
 
 A run is good if it ends with exit code 0, 1 or 2, on 2 with one error line and nothing else, never
-with a traceback or an "unexpected" error, in under 60 s, with under 1 GiB more of resident memory
-in any of its processes, and without a byte changed outside of what -o names. Most runs share one
-process; one in SHARE_WHOLE is a process of its own. Every kind gets the same time, so that quick
-readers see thousands of inputs. A case depends on the seed, its kind and its number only; what is
-found is kept in --folder, with the words to run it again.
+with a traceback or an "unexpected" error, in under 60 s of processor time, with under 1 GiB more
+of resident memory in any of its processes, and without a byte changed outside of what -o names.
+Most runs share one process; one in SHARE_WHOLE is a process of its own. Every kind gets the same
+time, so that quick readers see thousands of inputs. A case depends on the seed, its kind and its
+number only; what is found is kept in --folder, with the words to run it again.
 """
 
 from __future__ import annotations

@@ -24,6 +24,9 @@ from chord_usd.base.runtime.hashes import hash_file
 
 CODES = (0, 1, 2)
 LONGEST_S = 60.0
+"""Of processor time: on a busy machine a run gets a small share of a core, and is as good."""
+LONGEST_WALL_S = 300.0
+"""Without an end in this time, a run waits for something that does not come."""
 MOST_BYTES = 2**30
 
 _ERROR = re.compile(r"error: [^\n]+\n")
@@ -38,7 +41,7 @@ class Run:
 
     words: tuple[str, ...]
     code: int | None
-    """None where it was stopped after LONGEST_S."""
+    """None where it was stopped after LONGEST_S or LONGEST_WALL_S."""
     told: str
     """Standard error."""
     wall_s: float
@@ -50,7 +53,7 @@ class Run:
     def faults(self) -> list[str]:
         """What is wrong with it, in words; none for a good run, whatever it answered."""
         found = []
-        if self.code is None or self.wall_s > LONGEST_S:
+        if self.code is None or self.cpu_s > LONGEST_S:
             found.append(f"took {self.wall_s:.0f} s ({self.cpu_s:.0f} s of computing)")
         elif self.code not in CODES:
             found.append(f"exit code {self.code}")
@@ -74,10 +77,10 @@ def whole(words: Sequence[str], cwd: Path, env: Mapping[str, str]) -> Run:
         start_new_session=True,
     ) as process:  # fmt: skip
         peaks = _Peaks(process.pid, with_itself=True)
-        told = _read(process, start + LONGEST_S, peaks)
+        told = _read(process, start, peaks)
         if told is None:
             _end(process)
-            return Run(tuple(words), None, "", time.monotonic() - start, 0.0, peaks.highest)
+            return Run(tuple(words), None, "", time.monotonic() - start, peaks.cpu_s, peaks.highest)
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     spent = usage.ru_utime + usage.ru_stime
@@ -85,11 +88,11 @@ def whole(words: Sequence[str], cwd: Path, env: Mapping[str, str]) -> Run:
                peaks.highest)  # fmt: skip
 
 
-def _read(process: subprocess.Popen[bytes], until: float, peaks: _Peaks) -> str | None:
+def _read(process: subprocess.Popen[bytes], start: float, peaks: _Peaks) -> str | None:
     """All of standard error; None where it did not end in time."""
     parts: list[bytes] = []
     assert process.stderr
-    while time.monotonic() < until:
+    while not peaks.is_over(start):
         peaks.look()
         if select.select([process.stderr], [], [], _LOOK_S)[0]:
             part = os.read(process.stderr.fileno(), 2**16)
@@ -100,7 +103,8 @@ def _read(process: subprocess.Popen[bytes], until: float, peaks: _Peaks) -> str 
 
 
 class _Peaks:
-    """The most resident memory of one of the processes below another, from /proc (Linux).
+    """The most resident memory of one of the processes below another, and the processor time of
+    all, from /proc (Linux).
 
     The kernel keeps each process's peak, so that looking now and then misses only what a process
     takes in its last moment. The figure of wait4 would count what its parent had at the fork. For
@@ -111,15 +115,27 @@ class _Peaks:
         self._pid, self._with_itself = pid, with_itself
         self._starts: dict[tuple[int, bytes], int] = {}
         self.highest = 0
+        self._cpu_before_s = self._cpu_all_s = _cpu_s(pid)
+
+    @property
+    def cpu_s(self) -> float:
+        """Processor time since the start, at the last look."""
+        return self._cpu_all_s - self._cpu_before_s
+
+    def is_over(self, start: float) -> bool:
+        """Whether a run that began at start has had its time."""
+        return self.cpu_s > LONGEST_S or time.monotonic() - start > LONGEST_WALL_S
 
     def look(self) -> None:
         """Look at all of them."""
         pending = [(self._pid, b"")]
+        self._cpu_all_s = 0.0
         while pending:
             pid, parent = pending.pop()
             with contextlib.suppress(OSError, ValueError):
                 process = Path(f"/proc/{pid}")
                 command = (process / "cmdline").read_bytes()
+                self._cpu_all_s += _cpu_s(pid)
                 for task in (process / "task").iterdir():
                     children = (task / "children").read_text().split()
                     pending += [(int(child), command) for child in children]
@@ -132,6 +148,12 @@ class _Peaks:
             peak, now = (int(kilobytes) * 1024 for kilobytes in found)
             start = self._starts.setdefault((pid, command), now if is_fork else 0)
             self.highest = max(self.highest, peak - start)
+
+
+def _cpu_s(pid: int) -> float:
+    """Processor time of a process and of the children that it waited for."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
@@ -162,9 +184,10 @@ class Server:
         peaks = _Peaks(process.pid, with_itself=False)
         while not select.select([process.stdout], [], [], _LOOK_S)[0]:
             peaks.look()
-            if time.monotonic() - start > LONGEST_S:
+            if peaks.is_over(start):
                 self.close(kill=True)
-                return Run(tuple(words), None, "", time.monotonic() - start, 0.0, peaks.highest)
+                wall_s = time.monotonic() - start
+                return Run(tuple(words), None, "", wall_s, peaks.cpu_s, peaks.highest)
         answer = process.stdout.readline()
         wall_s = time.monotonic() - start
         if not answer:
