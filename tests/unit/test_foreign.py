@@ -7,13 +7,16 @@ import io
 import json
 import math
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from chord_usd.base.errors import SceneError
 from chord_usd.base.metrics.rooms import out_of_room
+from chord_usd.base.scene.chord_json import scene_from_json, scene_to_json
 from chord_usd.base.scene.geometry import footprint_polygon, front_direction, room_polygon
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import WALL_THICKNESS_M
@@ -77,13 +80,59 @@ def test_a_house_of_procthor_gets_walls_and_keeps_its_pieces_in_their_rooms() ->
         assert room_polygon(house.plan.room(item.room_id)).intersects(footprint_polygon(item.box))
 
 
-def test_a_floor_of_endless_triangles_is_refused() -> None:
+def endless_floor(house: dict[str, Any]) -> None:
+    house["mesh"][0]["faces"] *= 3000
+
+
+def floor_named_often(house: dict[str, Any]) -> None:
+    """15 MB of JSON took 21 GiB."""
+    house["scene"]["room"][0]["children"] *= 3000
+
+
+def floor_of_many_rooms(house: dict[str, Any]) -> None:
+    house["mesh"][0]["faces"] *= 100
+    house["scene"]["room"] *= 100
+
+
+@pytest.mark.parametrize("change", [endless_floor, floor_named_often, floor_of_many_rooms])
+def test_floors_of_endless_triangles_are_refused(change: Callable[[dict[str, Any]], None]) -> None:
     """300,000 of them took minutes to join."""
     house = front_house()
-    (floor,) = house["mesh"]
-    floor["faces"] *= 3000
+    change(house)
     with pytest.raises(SceneError, match="triangles"):
         house_from_record(house, MODELS)
+
+
+def one_room_twice(house: dict[str, Any]) -> None:
+    house["scene"]["room"] *= 2
+
+
+def two_rooms_in_one_place(house: dict[str, Any]) -> None:
+    (room,) = house["scene"]["room"]
+    house["scene"]["room"].append({**room, "instanceid": "another"})
+
+
+def piece_of_no_size(house: dict[str, Any]) -> None:
+    house["scene"]["room"][0]["children"][1]["scale"] = [0.0, 1.0, 1.0]
+
+
+def mirrored_piece(house: dict[str, Any]) -> None:
+    house["scene"]["room"][0]["children"][1]["scale"] = [-1.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    "change", [one_room_twice, two_rooms_in_one_place, piece_of_no_size, mirrored_piece]
+)
+def test_what_is_imported_can_be_read(change: Callable[[dict[str, Any]], None]) -> None:
+    """One such house in a folder made every other verb refuse the folder."""
+    record = front_house()
+    assert scene_from_json(scene_to_json(house_from_record(record, MODELS))).items
+    change(record)
+    try:
+        house = house_from_record(record, MODELS)
+    except SceneError:
+        return
+    scene_from_json(scene_to_json(house))
 
 
 def test_fronts_of_procthor_look_where_unity_turns_them() -> None:

@@ -22,7 +22,7 @@ MOST_CORNERS = 1000
 MOST_CORNERS_IN_ALL = 20_000
 
 MOST_FLOOR_TRIANGLES = 5000
-"""Of the floor of one room, as others' data sets have it: they are joined into an outline."""
+"""Of the floors of a house, as others' data sets have them: they are joined into outlines."""
 
 MOST_OPENINGS = 10_000
 """Doors, windows and passages."""

@@ -10,22 +10,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 from shapely.errors import ShapelyError
 
 from chord_usd.base.errors import ChordError, SceneError
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.json_lines import MOST_LINE_BYTES, read_lines
 from chord_usd.base.runtime.json_text import parse_json
-from chord_usd.base.scene.chord_json import scene_from_json
-from chord_usd.base.scene.geometry import extent_m
-from chord_usd.base.scene.limits import (
-    LARGEST_HOUSE_M,
-    MOST_CORNERS_IN_ALL,
-    MOST_ITEMS,
-    MOST_OPENINGS,
-    MOST_ROOMS,
-)
+from chord_usd.base.scene.chord_json import scene_from_json, scene_to_json
 from chord_usd.base.scene.types import SceneGraph
 from chord_usd.workshop.data.box_scenes import (
     BOX_KEYS,
@@ -48,7 +39,6 @@ _MALFORMED = (
 _BOXES = "boxes.npz"
 _SCENE = "scene.json"
 """Of each house of a batch, in its own folder (batch.make.SCENE_FILE)."""
-_FARTHEST_M = 1e5
 _LONGEST_NAME = 100
 _NOT_IN_NAMES = re.compile(r"[^\w-]+")
 
@@ -149,37 +139,15 @@ def house_from_record(record: Any, models: Models) -> SceneGraph:
     if not isinstance(record, Mapping):
         raise SceneError("no house", expected=FORMATS)
     try:
-        house = _house(record, models)
-        _refuse_wild(house)
+        foreign = _foreign(record, models)
+        # Every verb refuses what the reader of CHOrD JSON does, and with it the whole folder.
+        return scene_from_json(record if foreign is None else scene_to_json(foreign))
     except _MALFORMED as error:
         raise SceneError(f"cannot be understood ({error!r:.200})", expected=FORMATS) from error
-    return house
 
 
-def _refuse_wild(house: SceneGraph) -> None:
-    """Refuse numbers that are none, and houses that are none; CHOrD JSON's reader did already."""
-    boxes = [*(one.box for one in house.openings), *(one.box for one in house.items)]
-    numbers = np.array([(*box.center_m, *box.size_m, box.yaw_deg) for box in boxes]).reshape(-1, 7)
-    across_m = extent_m(house.rooms)
-    near = np.abs(numbers[:, :6]) < _FARTHEST_M
-    if not (np.isfinite(across_m) and np.isfinite(numbers).all() and near.all()):
-        raise SceneError("holds numbers beyond any house", expected="metres")
-    if across_m > LARGEST_HOUSE_M:
-        raise SceneError(
-            f"is {across_m:,.0f} m across", expected=f"at most {LARGEST_HOUSE_M:.0f} m"
-        )
-    corners = sum(len(room.polygon_m) for room in house.rooms)
-    for count, most, what in (
-        (len(house.rooms), MOST_ROOMS, "rooms"),
-        (corners, MOST_CORNERS_IN_ALL, "corners"),
-        (len(house.openings), MOST_OPENINGS, "openings"),
-        (len(house.items), MOST_ITEMS, "pieces"),
-    ):
-        if count > most:
-            raise SceneError(f"has {count:,} {what}", expected=f"at most {most:,}")
-
-
-def _house(record: Mapping[str, Any], models: Models) -> SceneGraph:
+def _foreign(record: Mapping[str, Any], models: Models) -> SceneGraph | None:
+    """A house in another form than CHOrD JSON, None for what may be that."""
     keys = record.keys()
     if keys >= {"scene", "furniture", "mesh"}:
         return house_from_front(record, models.categories)
@@ -192,4 +160,4 @@ def _house(record: Mapping[str, Any], models: Models) -> SceneGraph:
     if keys >= {"id", "lines"}:
         plan = flat_from_lines(record["id"], record["lines"])
         return SceneGraph(plan.rooms, plan.openings, (), extra=plan.extra)
-    return scene_from_json(record)
+    return None

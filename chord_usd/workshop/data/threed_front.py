@@ -23,7 +23,7 @@ from shapely.geometry.polygon import orient
 from chord_usd.base.errors import SceneError
 from chord_usd.base.runtime.json_lines import read_lines
 from chord_usd.base.runtime.json_text import parse_json
-from chord_usd.base.scene.limits import MOST_FLOOR_TRIANGLES
+from chord_usd.base.scene.limits import MOST_FLOOR_TRIANGLES, MOST_ROOMS
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import (
     Box,
@@ -98,6 +98,7 @@ def house_from_front(record: Mapping[str, Any], models: Mapping[str, str]) -> Sc
     try:
         furniture = {f["uid"]: f for f in record["furniture"] if f.get("valid", True)}
         floors = {m["uid"]: m for m in record["mesh"] if "floor" in m["type"].casefold()}
+        _refuse_crowded(record["scene"]["room"], floors)
         rooms: list[Room] = []
         items: list[Item] = []
         for own in record["scene"]["room"]:
@@ -115,6 +116,18 @@ def house_from_front(record: Mapping[str, Any], models: Mapping[str, str]) -> Sc
     if not rooms:
         raise SceneError("no room has a floor", expected="a house of 3D-FRONT")
     return SceneGraph(tuple(rooms), (), tuple(items), extra={"source": str(record.get("uid", ""))})
+
+
+def _refuse_crowded(rooms: Sequence[Mapping[str, Any]], floors: Mapping[str, Any]) -> None:
+    """Refuse what would take minutes, before any floor is joined: a mesh can be named often."""
+    if len(rooms) > MOST_ROOMS:
+        raise SceneError(f"has {len(rooms):,} rooms", expected=f"at most {MOST_ROOMS:,}")
+    sizes = {uid: len(mesh["faces"]) // 3 for uid, mesh in floors.items()}
+    triangles = sum(sizes.get(child["ref"], 0) for room in rooms for child in room["children"])
+    if triangles > MOST_FLOOR_TRIANGLES:
+        raise SceneError(
+            f"its floors have {triangles:,} triangles", expected=f"at most {MOST_FLOOR_TRIANGLES:,}"
+        )
 
 
 def _floor(meshes: Sequence[Mapping[str, Any]]) -> FloatArray | None:
