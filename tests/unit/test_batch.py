@@ -271,6 +271,24 @@ class TestSharing:
         assert (tmp_path / "assets/Chair/Chair.usda").read_bytes() == b"chair"
         assert [file.name for file in (house / "assets/Chair").iterdir()] == ["Chair.usda"]
 
+    @pytest.mark.parametrize("name", ["assets", "assets/Chair"])
+    @pytest.mark.parametrize("kind", ["file", "link"])
+    def test_what_somebody_has_in_place_of_a_folder_stays(
+        self, tmp_path: Path, house: Path, name: str, kind: str
+    ) -> None:
+        """A file ended every house of a batch; through a link it wrote into another folder."""
+        taken = tmp_path / "batch" / name
+        taken.parent.mkdir(parents=True)
+        (tmp_path / "elsewhere").mkdir()
+        if kind == "link":
+            taken.symlink_to(tmp_path / "elsewhere")
+        else:
+            taken.write_text("a list")
+        share_files(house, tmp_path / "batch")
+        assert list((tmp_path / "elsewhere").iterdir()) == []
+        assert taken.is_symlink() or taken.read_text() == "a list"
+        assert (house / "assets/Chair/Chair.usda").read_bytes() == b"chair"
+
     def test_pictures_outlive_their_house(self, tmp_path: Path, house: Path) -> None:
         (house / "pictures").mkdir()
         (house / "pictures/Top.png").write_bytes(b"from above")

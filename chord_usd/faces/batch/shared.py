@@ -2,7 +2,8 @@
 
 Every house has its own assets/ and materials/ beside its stage, so its folder can be moved and
 mailed; their files are hard links to those in the batch's assets/ and materials/. A house never
-depends on them: where links cannot be made, or a name means another file, it keeps its own copy.
+depends on them: where links cannot be made, or something of another kind has a name, it keeps its
+copy.
 """
 
 from __future__ import annotations
@@ -18,7 +19,10 @@ from chord_usd.faces.batch.records import files_in
 
 SHARED_FOLDERS = ("assets", "materials")
 
-_NO_MORE_LINKS = (errno.EMLINK, errno.EPERM, errno.ENOTSUP, errno.EXDEV, errno.ENOSYS)
+_NO_LINKS = (
+    errno.EMLINK, errno.EPERM, errno.ENOTSUP, errno.EXDEV, errno.ENOSYS,
+    errno.ENOTDIR, errno.EEXIST,  # a file of somebody where a folder would be
+)  # fmt: skip
 
 
 def share_files(house: Path, library: Path) -> None:
@@ -26,9 +30,12 @@ def share_files(house: Path, library: Path) -> None:
 
     house: a folder that nobody else uses yet, on the library's file system.
     """
+    library = library.resolve()
     for kind in SHARED_FOLDERS:
         for file in files_in(house / kind):
-            _share(file, library / file.relative_to(house))
+            kept = library / file.relative_to(house)
+            if kept.parent.resolve() == kept.parent:  # no link leads out of the library
+                _share(file, kept)
 
 
 def keep_pictures(old: Path, new: Path, name: str) -> None:
@@ -41,8 +48,8 @@ def keep_pictures(old: Path, new: Path, name: str) -> None:
 
 
 def _share(file: Path, kept: Path) -> None:
-    kept.parent.mkdir(parents=True, exist_ok=True)
     with _where_links_are():
+        kept.parent.mkdir(parents=True, exist_ok=True)
         try:
             os.link(file, kept)
         except FileExistsError:
@@ -55,9 +62,9 @@ def _share(file: Path, kept: Path) -> None:
 
 @contextlib.contextmanager
 def _where_links_are() -> Iterator[None]:
-    """Pass over what a file system cannot do, or not any more."""
+    """Pass over what a file system cannot do, or not any more, and names that are taken."""
     try:
         yield
     except OSError as error:
-        if error.errno not in _NO_MORE_LINKS:
+        if error.errno not in _NO_LINKS:
             raise
