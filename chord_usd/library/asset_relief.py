@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from chord_usd.base.errors import AssetError, StageError
 from chord_usd.base.raster.relief import LEAST_HEIGHT, Relief
-from chord_usd.base.runtime.stages import open_asset
+from chord_usd.base.runtime.asset_stages import open_asset
 from chord_usd.base.scene.types import Asset, FloatArray
 from chord_usd.library.kept_arrays import Arrays, kept
 
@@ -73,10 +72,7 @@ def triangles_m(path: Path) -> tuple[FloatArray, FloatArray]:
     """
     from pxr import UsdGeom, UsdPhysics
 
-    try:
-        stage = open_asset(path)
-    except StageError as error:
-        raise AssetError("the mesh cannot be opened", where=str(path)) from error
+    stage = open_asset(path)
     transforms = UsdGeom.XformCache()
     seen, felt = [np.zeros((0, 3, 3))], [np.zeros((0, 3, 3))]
     for prim in stage.Traverse():

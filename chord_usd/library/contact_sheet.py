@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chord_usd.base.errors import AssetError, StageError
+from chord_usd.base.errors import AssetError
+from chord_usd.base.runtime.asset_stages import open_asset, try_assets
 from chord_usd.base.runtime.progress import Progress
-from chord_usd.base.runtime.stages import open_asset, open_known
+from chord_usd.base.runtime.stages import open_known
 from chord_usd.base.scene.types import Asset, ByteArray, FloatArray
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ def draw_sheet(
     """
     from PIL import Image, ImageDraw
 
+    try_assets(asset.usd_path for asset in assets)
     cells = [(a, name) for a in assets for name in (colourways(a) if colours else [""])]
     rows = -(-len(cells) // columns)
     tall = TILE_PX + _CAPTION_PX
@@ -83,8 +85,11 @@ def draw_asset(asset: Asset, side_px: int = TILE_PX, colourway: str = "") -> Byt
 
 
 def colourways(asset: Asset) -> list[str]:
-    """Names of the colours an asset comes in; one empty name where it has no choice."""
+    """Names of the colours an asset comes in; one empty name where it has no choice.
 
+    Raises AssetError.
+    """
+    try_assets([asset.usd_path])
     stage = open_known(asset.usd_path, load=False)
     return stage.GetDefaultPrim().GetVariantSet("colour").GetVariantNames() or [""]
 
@@ -93,10 +98,7 @@ def _read(path: Path, colourway: str) -> Picture:
     """The triangles of a component, their colours from its materials."""
     from pxr import Usd, UsdGeom
 
-    try:
-        stage = open_asset(path)
-    except StageError as error:
-        raise AssetError("the mesh cannot be opened", where=str(path)) from error
+    stage = open_asset(path)
     root = stage.GetDefaultPrim()
     if colourway:
         root.GetVariantSet("colour").SetVariantSelection(colourway)

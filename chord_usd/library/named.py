@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Sequence, Set
 from dataclasses import replace
 from pathlib import Path
 
-from chord_usd.base.errors import AssetError, StageError
+from chord_usd.base.errors import AssetError
+from chord_usd.base.runtime.asset_stages import EXPECTED, try_assets
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
-from chord_usd.base.runtime.locations import absolute, cache_folder
-from chord_usd.base.runtime.stages import look_through, open_layer
+from chord_usd.base.runtime.locations import absolute, cache_folder, is_cached
+from chord_usd.base.runtime.stages import open_layer
 from chord_usd.base.scene.types import Asset, Item, SceneGraph
 from chord_usd.library.database import INDEX_NAME, AssetDatabase, embedded_assets
 
@@ -29,30 +30,22 @@ def with_found_assets(
     """
     home = absolute(scene).parent
     allowed = [*(folder.resolve() for folder in (home, *folders, cache_folder()))]
-    things = (*graph.items, *graph.dressing)
-    named = {asset.usd_path: asset for item in things for asset in _assets_of(item)}
+    named = {asset.usd_path: asset for asset in graph.assets()}
     shipped = {asset.id for asset in embedded_assets()}
     found: dict[Path, Path] = {}
     for path, asset in sorted(named.items()):
         place = _found(path, home, allowed) or _same_here(asset, shipped, database)
         if place is None:
             continue
-        if not _is_inside(place, allowed) or _is_drawn_here(place):
+        if not _is_inside(place, allowed) or is_cached(place):
             place = _same_here(asset, shipped, database) or place
         _require_inside(place, scene, allowed)
         found[path] = place
-    _require_layers([place for place in found.values() if not _is_drawn_here(place)])
+    _require_layers([place for place in found.values() if not is_cached(place)])
     items, dressing = (
         tuple(_with_assets(item, found) for item in all_) for all_ in (graph.items, graph.dressing)
     )
     return replace(graph, items=items, dressing=dressing)
-
-
-def _assets_of(item: Item) -> Iterator[Asset]:
-    if item.asset is not None:
-        yield item.asset
-    for child in item.children:
-        yield from _assets_of(child)
 
 
 def _with_assets(item: Item, found: dict[Path, Path]) -> Item:
@@ -105,24 +98,13 @@ def _database_of(place: Path) -> Path | str:
 
 def _require_layers(places: Sequence[Path]) -> None:
     """Try what this program has not drawn itself, all in one process."""
-    try:
-        look_through(places)
-        for place in places:
-            if not open_layer(place).defaultPrim:
-                raise StageError("has no default prim", where=str(place))
-    except StageError as error:
-        raise AssetError(
-            f"the asset cannot be used: {error.what}",
-            where=error.where,
-            expected="a USD layer with a default prim",
-        ) from error
+    try_assets(places)
+    for place in places:
+        if not open_layer(place).defaultPrim:
+            raise AssetError("has no default prim", where=str(place), expected=EXPECTED)
 
 
 def _is_inside(place: Path, folders: Sequence[Path]) -> bool:
     """Whether a file lies in one of the folders; links count as what they lead to."""
     real = place.resolve()
     return any(real.is_relative_to(folder) for folder in folders)
-
-
-def _is_drawn_here(place: Path) -> bool:
-    return _is_inside(place, [cache_folder().resolve()])

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import resource
 import shutil
-from collections.abc import Iterator
+import struct
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,12 +18,16 @@ from strangers import WAYS, edited, names, tree, victim_in
 
 from chord_usd import cli
 from chord_usd.base.errors import AssetError
+from chord_usd.base.runtime import stages
 from chord_usd.base.scene.chord_json import read_scene, write_scene
 from chord_usd.base.scene.types import Asset, Box, Item, Room, SceneGraph
+from chord_usd.library.asset_relief import triangles_m
+from chord_usd.library.contact_sheet import colourways, draw_asset
 from chord_usd.library.database import read_index
 from chord_usd.library.libraries.add import add_library
 from chord_usd.line.pipeline import Settings, read_scene_file, write_stage
 from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.export.packages import package_files
 
 
 @pytest.fixture
@@ -143,6 +149,42 @@ def test_a_private_key_stays_where_it_is(
     assert list((tmp_path / "out").iterdir()) == []
     assert cli.main([*words, "--assets", str(victim)]) == 0
     assert (tmp_path / "out" / "assets" / "Block" / "Block.usda").is_file()
+
+
+def with_swollen_count(path: Path) -> None:
+    """A crate whose table of specs says that it has 2^28 rows."""
+    data = bytearray(path.read_bytes())
+    (table,) = struct.unpack_from("<q", data, 16)
+    (rows,) = struct.unpack_from("<Q", data, table)
+    for row in range(rows):
+        name, start, _ = struct.unpack_from("<16sqq", data, table + 8 + 32 * row)
+        if name.startswith(b"SPECS"):
+            struct.pack_into("<Q", data, start, 2**28)
+    path.write_bytes(data)
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        lambda a: package_files(a.usd_path),
+        lambda a: triangles_m(a.usd_path),
+        lambda a: [draw_asset(a)],
+        colourways,
+    ],
+)
+def test_a_damaged_mesh_of_a_database_takes_no_memory(
+    block: Asset, tmp_path: Path, read: Callable[[Asset], object]
+) -> None:
+    """One of 4 KB took 10 GiB: databases of users were opened without a trial."""
+    path = tmp_path / "Block.usdc"
+    stages.open_known(block.usd_path).Flatten().Export(str(path))
+    asset = replace(block, usd_path=path)
+    assert read(asset)
+    with_swollen_count(path)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(AssetError, match="cannot be used"):
+        read(asset)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2**20
 
 
 # --- libraries -----------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom
 from strangers import WAYS, edited, names, victim_in, with_reference, with_sublayer, with_texture
 
 from chord_usd import cli
@@ -309,6 +309,23 @@ def test_a_placement_that_is_no_number_is_refused_with_its_place(
         with pytest.raises(StageError, match="is not finite") as caught:
             read(house)
         assert str(spec.path) in str(caught.value)
+
+
+@pytest.mark.parametrize("op", ["transform", "scale"])
+def test_a_placement_that_leaves_no_size_is_refused_with_its_place(house: Path, op: str) -> None:
+    """`regenerate --keep` of such a piece ended in an "unexpected GEOSException"."""
+    stage = Usd.Stage.Open(str(house))
+    prim = next(p for p in stage.Traverse() if p.GetAttribute("chord:size_m"))
+    shape = UsdGeom.Xformable(prim)
+    shape.ClearXformOpOrder()
+    if op == "scale":
+        shape.AddScaleOp(opSuffix="again").Set((1.0, 0.0, 1.0))
+    else:
+        shape.AddTransformOp(opSuffix="again").Set(Gf.Matrix4d(0.0))
+    stage.Save()
+    for read in READERS:
+        with pytest.raises(StageError, match=f"{prim.GetPath()}.*is zero"):
+            read(house)
 
 
 PACKAGE = Path(stages.__file__).parents[1]

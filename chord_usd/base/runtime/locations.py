@@ -170,6 +170,12 @@ def cache_folder() -> Path:
     return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
 
 
+def is_cached(path: Path) -> bool:
+    """Whether a file lies in the cache, which this program alone writes; links count as what they
+    lead to."""
+    return path.resolve().is_relative_to(cache_folder().resolve())
+
+
 def portable(path: Path, home: Path) -> Path:
     """A path as a file in the folder home names it: relative to the cache, or else to home.
 

@@ -80,13 +80,6 @@ def open_known(path: Path, *, load: bool = True) -> Usd.Stage:
         return Usd.Stage.Open(str(path), Usd.Stage.LoadAll if load else Usd.Stage.LoadNone)
 
 
-def open_asset(path: Path) -> Usd.Stage:
-    """The stage of an asset from a folder that the user vouches for, whose files are only looked
-    for: houses have too many for a trial of each. Raises StageError."""
-    walk(path)
-    return open_known(path)
-
-
 def open_layer(path: Path) -> Sdf.Layer:
     """One layer, without what it refers to. Raises StageError when it cannot be opened."""
     from pxr import Sdf
@@ -287,8 +280,8 @@ def _try(path: Path) -> StageFiles:
     for prim in _prims_once(stage):
         for attribute in prim.GetAuthoredAttributes():
             value = attribute.Get()
-            if attribute.GetNamespace() == "xformOp" or attribute.GetName() in _EXTENTS:
-                _require_finite(value, attribute, path)
+            if attribute.SplitName()[0] == "xformOp" or attribute.GetName() in _EXTENTS:
+                _require_place(value, attribute, path)
     used = {_file_of(layer.realPath) for layer in stage.GetUsedLayers() if layer.realPath}
     more = sorted(used.difference(files.layers))  # asset paths that are expressions
     return StageFiles((*files.layers, *more), files.others, files.missing)
@@ -297,18 +290,23 @@ def _try(path: Path) -> StageFiles:
 _EXTENTS = ("points", "extent", "extentsHint")
 
 
-def _require_finite(value: object, attribute: Usd.Attribute, path: Path) -> None:
-    """Raises StageError for a placement or a size that is no number: geometry ends there."""
+def _require_place(value: object, attribute: Usd.Attribute, path: Path) -> None:
+    """Raises StageError for a placement or a size that is no number, or that leaves no size."""
     import numpy as np
 
     numbers = np.asarray(value if value is not None else ())
-    if numbers.dtype.kind == "f" and not np.isfinite(numbers).all():
-        raise StageError(
-            f"{attribute.GetPath()} is not finite",
-            where=str(path),
-            expected="numbers",
-            try_="set it again, or take the piece out",
-        )
+    if numbers.dtype.kind != "f":
+        return
+    factors = np.linalg.det(numbers) if numbers.shape[-2:] == (4, 4) else numbers
+    scales = attribute.GetTypeName() == "matrix4d" or "scale" in attribute.SplitName()
+    if np.isfinite(numbers).all() and not (scales and np.any(factors == 0.0)):
+        return
+    raise StageError(
+        f"{attribute.GetPath()} is {'zero' if np.isfinite(numbers).all() else 'not finite'}",
+        where=str(path),
+        expected="numbers that leave a piece its size" if scales else "numbers",
+        try_="set it again, or take the piece out",
+    )
 
 
 ELEVATION = "chord:elevation_m"
@@ -353,7 +351,7 @@ def walk(path: Path) -> StageFiles:
     """The files of a stage, found layer by layer without composing it.
 
     No file is opened before it is known to be one. In this process: for stages that were looked
-    through, or whose folder the user vouches for. Raises StageError.
+    through, or that this program made. Raises StageError.
     """
     silence()
     found = _Walk(path)

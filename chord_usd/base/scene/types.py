@@ -303,6 +303,14 @@ class SceneGraph:
         """What this room is dressed with, in its order."""
         return (item for item in self.dressing if item.room_id == room_id)
 
+    def assets(self) -> Iterator[Asset]:
+        """The assets of items, of what stands on them, and of dressing."""
+        due = [*self.items, *self.dressing]
+        for item in due:
+            due.extend(item.children)  # a list may grow while it is walked
+            if item.asset is not None:
+                yield item.asset
+
     def without(self, item_ids: Iterable[str]) -> SceneGraph:
         """The same house without these items, and what stands on them."""
         gone = set(item_ids)

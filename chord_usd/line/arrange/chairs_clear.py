@@ -20,7 +20,7 @@ from shapely import Polygon
 
 from chord_usd.base.metrics.overlap import natural_partners
 from chord_usd.base.places.free_places import FreePlaces, places_near
-from chord_usd.base.runtime.stages import open_asset
+from chord_usd.base.runtime.asset_stages import open_asset
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.types import Asset, Box, Item, SceneGraph
 from chord_usd.base.scene.units import rotation_2d

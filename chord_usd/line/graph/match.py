@@ -12,6 +12,7 @@ import shapely
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from chord_usd.base.runtime.asset_stages import try_assets
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.base.scene.oriented_rect import Footprint
 from chord_usd.base.scene.palette import Mount, category
@@ -119,7 +120,7 @@ def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = (
 
     Tabletop items and dressing too. Its box becomes what the mesh fills (fit.fitted_box); how far
     the mesh missed the box asked for is one of its facts. Raises AssetError when the database has
-    nothing of a category. but: ids of items that stay as they are.
+    nothing of a category, or a mesh that cannot be read. but: ids of items that stay as they are.
     """
     desks = shapely.union_all(
         [footprint_polygon(i.box) for i in graph.items if i.category == _DESK]
@@ -128,7 +129,9 @@ def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = (
         tuple(item if item.id in but else _matched(item, database, desks) for item in all_)
         for all_ in (graph.items, graph.dressing)
     )
-    return replace(graph, items=items, dressing=dressing)
+    graph = replace(graph, items=items, dressing=dressing)
+    try_assets(asset.usd_path for asset in graph.assets())
+    return graph
 
 
 def _matched(item: Item, database: Database, desks: BaseGeometry) -> Item:

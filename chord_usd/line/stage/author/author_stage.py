@@ -17,6 +17,7 @@ from pxr import Gf, Sdf, UsdUtils
 from chord_usd import __version__
 from chord_usd.base.errors import OutputError
 from chord_usd.base.raster.hdri import require_picture
+from chord_usd.base.runtime.asset_stages import try_assets
 from chord_usd.base.runtime.files import deliver, destination
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
 from chord_usd.base.runtime.stages import open_layer
@@ -124,6 +125,7 @@ def author_levels(
     named = style_named(style, seed)
     house = _House(tuple(levels), seed, looks, named, sky_named(sky), articulation, roof)
     require_picture(house.sky)
+    try_assets(asset.usd_path for level in levels for asset in level.graph.assets())
     with deliver() as delivery:
         target = delivery.place(path)
         final = destination(path.parent)

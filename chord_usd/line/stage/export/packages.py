@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 
-from chord_usd.base.errors import AssetError, ChordError, StageError
+from chord_usd.base.errors import AssetError, ChordError
+from chord_usd.base.runtime.asset_stages import EXPECTED, asset_files
 from chord_usd.base.runtime.files import hash_file, write_atomic
 from chord_usd.base.runtime.locations import cache_folder
-from chord_usd.base.runtime.stages import walk
 
 SHARED = "Finishes"
 """Folder beside packages whose pictures all of them may use."""
@@ -92,7 +92,7 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
         raise AssetError(
             "the asset's layer is missing",
             where=str(interface),
-            expected="a USD layer with a default prim",
+            expected=EXPECTED,
             try_="chord-usd assets build",
         )
     source = Path(os.path.abspath(interface.parent))  # noqa: PTH100 (not through links)
@@ -103,14 +103,7 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
 
 def _walked(interface: Path, source: Path) -> Package:
     """What the layers themselves name; noted where the package lies in the cache."""
-    try:
-        found = walk(interface)
-    except StageError as error:
-        raise AssetError(
-            f"the asset cannot be used: {error.what}",
-            where=str(interface),
-            expected="a USD layer with a default prim",
-        ) from error
+    found = asset_files(interface)
     shared = _shared_pictures(found.others, source.parent / SHARED)
     files = [file for file in (*found.layers, *found.others) if file not in shared]
     outside = replace(found, others=tuple(files[len(found.layers) :])).outside([source]) or next(

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 
-from chord_usd.base.runtime.stages import open_asset
+from chord_usd.base.runtime.stages import open_known
 from chord_usd.base.scene.articulation import ARTICULATION, FIXED, JOINTED
 from chord_usd.base.scene.feels import CLOTH
 from chord_usd.base.scene.label_sets import wikidata_item
@@ -45,7 +45,7 @@ def write_simready(asset: Asset, folder: Path, picture: Image, made: date) -> Pa
     place = folder / asset.id / FOLDER
     place.mkdir(parents=True)
     reference = Packages(place, [], PAYLOADS).add(asset.usd_path)
-    source = open_asset(place / reference)
+    source = open_known(place / reference)
     opens = source.GetDefaultPrim().GetVariantSet(ARTICULATION).IsValid()
     bounds_m = _bounds_m(source)
     mass_kg = usual_mass_kg(asset.category, tuple((bounds_m[1] - bounds_m[0]).tolist()))
