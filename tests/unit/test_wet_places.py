@@ -81,6 +81,14 @@ def test_a_room_that_holds_nothing_that_fits_stays_as_it_is() -> None:
     assert not list(composed(view_of("bathroom", (0.7, 0.9))))
 
 
+def test_a_piece_that_somebody_placed_stays() -> None:
+    crowded = view_of("bathroom", (2.2, 2.8), "toilet", "washbasin", "bathtub")
+    tub = crowded.items[2].found(locked=True)
+    made = planned(View(crowded.shell, (*crowded.items[:2], tub)))
+    assert tub in made.items
+    assert not {rule for rule in broken(made) if "comfortably" not in rule}
+
+
 def test_the_same_room_is_composed_alike() -> None:
     view = view_of("bathroom", (1.9, 2.3), "toilet", "washbasin", "shower")
     first, second = ([item.box for one in composed(view) for item in one] for _ in range(2))

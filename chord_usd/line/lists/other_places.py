@@ -58,7 +58,7 @@ def changes_of(view: View) -> list[Propose]:
     if not any(one.findings for one in judged_room(view)) and not _clashing(view):
         return []
     seats = partial(more_chairs, seats=max(2, seats_at(view)))
-    wet = [composed] if view.shell.kind in WET_KINDS else []
+    wet: list[Propose] = [composed] if view.shell.kind in WET_KINDS else []
     own = [
         *wet,
         *BY_KIND.get(view.shell.kind, ()),

@@ -66,8 +66,8 @@ class _Places:
 
 def composed(view: View) -> Iterator[Change]:
     """The room with its fixtures placed together, the cheapest rooms first."""
-    own = [item for item in view.items if item.category in FIXTURES]
-    rest = tuple(item for item in view.items if item.category not in FIXTURES)
+    own = [item for item in view.items if item.category in FIXTURES and not item.facts.locked]
+    rest = tuple(item for item in view.items if item not in own)
     for wanted in _wanted(view, own):
         if not 0 < len(wanted) <= _MOST_FIXTURES:
             continue
@@ -80,7 +80,7 @@ def composed(view: View) -> Iterator[Change]:
 def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
     """What the room holds with what it lacks; without; in a small WC, the toilet alone."""
     kind, area_m2 = view.shell.kind, view.shell.area_m2
-    missing = lacking(kind, area_m2, [item.category for item in own])
+    missing = lacking(kind, area_m2, view.categories)
     by_name = {one.name: one.categories for one in ESSENTIALS.get(kind, ())}
     new = [min(by_name[name] & _NEW_M.keys(), key=[*_NEW_M].index) for name in missing]
     if new:
@@ -88,7 +88,7 @@ def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
         more = [new_piece(view, name, replace(nowhere, size_m=_NEW_M[name])) for name in new]
         yield _sorted([*own, *more])
     yield _sorted(own)
-    if kind == "wc" and area_m2 < FEWER_BELOW_M2["wc"][0][0]:
+    if kind == "wc" and area_m2 < FEWER_BELOW_M2["wc"][0][0] and len(own) > 1:
         yield [item for item in own if item.category == "toilet"][:1]
 
 
