@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 
@@ -47,9 +48,12 @@ _ENTRY_M, _ENTRY = 0.6, ((0.60, 1.0), (0.76, 0.3))
 _LEAST: Mapping[str, tuple[float, float]] = {
     "washbasin": (0.5, 0.0), "shower": (0.8, 0.8), "bathtub": (1.5, 0.0),
 }  # fmt: skip
-_STEP_M, _SLACK_M = 0.1, 0.015
-_PLACES, _BEAM, _OFFERED = 40, 200, 12
-"""Of a fixture; of combinations on the way; of rooms that are weighed by all rules."""
+_STEP_M, _WET_STEP_M, _SLACK_M = 0.1, 0.3, 0.015
+_IN_MID_WALL = 0.25
+"""Of a bath or shower that stands in no corner."""
+_PLACES, _BEAM, _OFFERED = 40, 200, 22
+"""Of a fixture; of combinations on the way; of rooms that are weighed by all rules, all together.
+"""
 _MOST_FIXTURES = 4
 
 
@@ -68,26 +72,31 @@ def composed(view: View) -> Iterator[Change]:
     """The room with its fixtures placed together, the cheapest rooms first."""
     own = [item for item in view.items if item.category in FIXTURES and not item.facts.locked]
     rest = tuple(item for item in view.items if item not in own)
-    for wanted in _wanted(view, own):
-        if not 0 < len(wanted) <= _MOST_FIXTURES:
-            continue
+    programmes = [one for one in _wanted(view, own) if 0 < len(one) <= _MOST_FIXTURES]
+    for wanted in programmes:
         places = [_places(view, rest, item) for item in wanted]
         if all(len(one.items) for one in places):
-            for chosen in _combined(places):
+            for chosen in islice(_combined(places), _OFFERED // max(2, len(programmes))):
                 yield (*rest, *(one.items[at] for one, at in zip(places, chosen, strict=True)))
 
 
 def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
-    """What the room holds with what it lacks; without; in a small WC, the toilet alone."""
+    """What the room holds with what it lacks; without; with a shower in a bathroom that has nothing
+    to wash in; in a small WC, the toilet alone."""
     kind, area_m2 = view.shell.kind, view.shell.area_m2
     missing = lacking(kind, area_m2, view.categories)
     by_name = {one.name: one.categories for one in ESSENTIALS.get(kind, ())}
     new = [min(by_name[name] & _NEW_M.keys(), key=[*_NEW_M].index) for name in missing]
     if new:
-        nowhere = Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 0.0)
-        more = [new_piece(view, name, replace(nowhere, size_m=_NEW_M[name])) for name in new]
+        more = [new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0)) for name in new]
         yield _sorted([*own, *more])
     yield _sorted(own)
+    if kind == "bathroom" and not {*WET} & {*view.categories}:
+        # What a home has a bathroom for: rather than a basin, where there is no room for both.
+        place = Box((0.0, 0.0, 0.0), _NEW_M["shower"], 0.0)
+        shower = new_piece(view, "shower", place)
+        yield _sorted([*own, shower])
+        yield _sorted([shower, *(item for item in own if item.category not in BASINS)])
     if kind == "wc" and area_m2 < FEWER_BELOW_M2["wc"][0][0] and len(own) > 1:
         yield [item for item in own if item.category == "toilet"][:1]
 
@@ -97,7 +106,8 @@ def _sorted(items: Sequence[Item]) -> list[Item]:
 
 
 def _places(view: View, rest: Change, item: Item) -> _Places:
-    options = [(*rest, replace(item, box=box)) for box in _boxes(view, item)]
+    dear = dict(_boxes(view, item))
+    options = [(*rest, replace(item, box=box)) for box in dear]
     items = [change[-1] for change in free_of_clashes(view, options)]
     if not items:
         return _Places([], View(view.shell, ()).rects, [], np.zeros(0))
@@ -107,7 +117,7 @@ def _places(view: View, rest: Change, item: Item) -> _Places:
     rects = View(view.shell, tuple(items)).rects
     zones = _zones(item.category, rects, np.tile(entries, len(items) // len(entries)))
     standing = View(view.shell, rest).rects
-    cost = _own_cost(view, item.category, items)
+    cost = _own_cost(view, item.category, items) + [dear[one.box] for one in items]
     for zone, weight in zones:
         short = beyond_walls(zone.corners, view.shell)
         if rest:
@@ -118,21 +128,22 @@ def _places(view: View, rest: Change, item: Item) -> _Places:
                    [(zone.of(best), weight) for zone, weight in zones], cost[best])  # fmt: skip
 
 
-def _boxes(view: View, item: Item) -> Iterator[Box]:
-    """At the ends and in the middle of each wall; what is not bathed in, all along it."""
+def _boxes(view: View, item: Item) -> Iterator[tuple[Box, float]]:
+    """Places along each wall and in its middle, and what a bath or shower costs out of a corner."""
     row = CATEGORIES[item.category]
     length, depth, height = item.box.size_m
+    is_wet = item.category in WET
     for wide, deep in dict.fromkeys(((length, depth), *_SIZES[item.category])):
-        if row.is_undersized((wide, deep, height)):
+        size = (wide, deep, height)
+        if row.is_undersized(size):
             continue
         for start, end in view.shell.walls:
             frame = WallFrame.between(start, end)
-            boxes = list(frame.boxes((wide, deep, height), _STEP_M))
-            if item.category in WET and boxes:
-                boxes = [boxes[0], boxes[-1]]
-            if boxes:
-                yield from boxes
-                yield frame.box(frame.length_m / 2, 0.0, (wide, deep, height), 0.0)
+            boxes = list(frame.boxes(size, _WET_STEP_M if is_wet else _STEP_M))
+            for nth, box in enumerate(boxes):
+                yield box, _IN_MID_WALL * (is_wet and 0 < nth < len(boxes) - 1)
+            if boxes and not is_wet:
+                yield frame.box(frame.length_m / 2, 0.0, size, 0.0), 0.0
 
 
 def _zones(category: str, rects: Rects, entries: FloatArray) -> list[tuple[Rects, float]]:
@@ -196,7 +207,7 @@ def _combined(places: Sequence[_Places]) -> Iterator[tuple[int, ...]]:
     for row in chosen[:_BEAM].tolist():
         # Places that differ in the entry alone are one.
         key = tuple(id(one.items[at]) for one, at in zip(places, row, strict=True))
-        if key not in seen and len(seen) < _OFFERED:
+        if key not in seen:
             seen.add(key)
             yield tuple(row)
 
