@@ -59,12 +59,8 @@ def changes_of(view: View) -> list[Propose]:
         return []
     seats = partial(more_chairs, seats=max(2, seats_at(view)))
     wet: list[Propose] = [composed] if view.shell.kind in WET_KINDS else []
-    own = [
-        *wet,
-        *BY_KIND.get(view.shell.kind, ()),
-        *([seats] if view.of("dining_table") else []),
-        moved,
-    ]
+    chairs: list[Propose] = [seats] if view.of("dining_table") else []
+    own: list[Propose] = [*wet, *BY_KIND.get(view.shell.kind, ()), *chairs, moved]
     return [*own, zoned] if view.shell.kind == "living" else own
 
 
