@@ -62,7 +62,9 @@ _ON_STAIRS, _STAIRS = 3.0, 0.2
 _MANY_WAYS, _HALL_NATS = 3, 0.7
 """Doors and passages from which on a floor is rather a corridor, and no bath or store."""
 _MOST_WAYS = 4
-"""...and none but a living room: nats of each further one."""
+"""...and none but a living room: nats of each further one, a front door included."""
+_HALL_CHANCE, _MOST_HALL = 0.2, 0.6
+"""Least chance of a hall, for each further one, and in all."""
 _ENTERED: frozenset[RoomKind] = frozenset({"corridor", "living", "kitchen", "dining"})
 """What a front door leads into."""
 _WINDOWLESS: dict[RoomKind, float] = {"living": 0.7, "bedroom": 0.7, "kitchen": 0.3}
@@ -93,6 +95,11 @@ class Floor:
     """Or stands in a home without any."""
     stairs: float = 0.0
     """Share that stairs take up."""
+
+    @property
+    def crossings(self) -> int:
+        """Ways beyond those that rooms have, a front door included."""
+        return max(self.ways + self.is_outer - _MOST_WAYS, 0)
 
     @property
     def names_kitchen(self) -> bool:
@@ -237,6 +244,8 @@ def _chance(floor: Floor, kind: RoomKind) -> float:
     if kind == "unknown":
         return _SURE
     chance = float(floor.chances[KIND_NAMES.index(learned_kind(kind))])
+    if kind == "corridor":  # a bare hall looks like any bare room
+        chance = max(chance, min(_HALL_CHANCE * floor.crossings, _MOST_HALL))
     return chance if floor.area_m2 is None else chance * plausibility(kind, floor.area_m2)
 
 
@@ -247,8 +256,8 @@ def _speaks_against(floor: Floor, kind: RoomKind) -> float:
         nats += _ON_STAIRS
     if floor.ways >= _MANY_WAYS and kind in (*WET_KINDS, "store"):
         nats += _HALL_NATS
-    if floor.ways > _MOST_WAYS and kind not in ("corridor", "living", "unknown"):
-        nats += _HALL_NATS * (floor.ways - _MOST_WAYS)
+    if kind not in ("corridor", "living", "unknown"):
+        nats += _HALL_NATS * floor.crossings
     return nats
 
 
