@@ -86,13 +86,14 @@ def with_kitchens(house: SceneGraph, kitchens: Kitchens) -> SceneGraph:
 
 
 def displaced(house: SceneGraph, kitchens: Kitchens) -> dict[str, list[Item]]:
-    """By room id, other pieces that stand in composed units, before them, or behind them."""
+    """By room id, other pieces that stand in composed units, before them, or behind them, and that
+    the plan does not show there."""
     found: dict[str, list[Item]] = defaultdict(list)
     for room_id, units in kitchens.items():
         stood_on = [footprint_polygon(item.box) for item in units]
         used = [footprint_polygon(floor_before(item.box, FRONT, 0.0, BEFORE_M)) for item in units]
         for item in house.items_of(room_id):
-            if item.category in KITCHEN_UNITS or is_underfoot(item):
+            if item.category in KITCHEN_UNITS or is_underfoot(item) or item.facts.locked:
                 continue
             own, *before = floor_of(item)
             pairs = [(own, one) for one in (*stood_on, *used)]
