@@ -103,6 +103,17 @@ def test_what_is_no_piece_is_passed_over() -> None:
     assert [item.category for item in found] == ["bed"]
 
 
+def test_a_bed_below_a_sill_stands_before_the_window() -> None:
+    before = plan("bedroom", piece("bed", 1.0, 1.9, (1.6, 2.0), 0.0))
+    window = Opening("w", "window", Box((1.0, 3.12, 0.9), (1.2, 0.24, 1.2), 0.0), ("room1",))
+    (one,) = placed_pieces(replace(before, openings=(*before.openings, window)))
+    assert one.item is not None
+    assert one.item.box.size_m[2] <= 0.9
+    low = replace(window, box=replace(window.box, center_m=(1.0, 3.12, 0.3)))
+    (other,) = placed_pieces(replace(before, openings=(low,)))
+    assert other.reason == "before an opening"
+
+
 def test_a_room_tells_what_a_drawing_shows_alike() -> None:
     """A basin in a kitchen is its sink, around which units are composed."""
     (one,) = placed_pieces(plan("kitchen", piece("washbasin", 1.0, 2.8, (0.6, 0.45), 0.0)))

@@ -18,7 +18,7 @@ from shapely.geometry import Point, Polygon
 
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon, to_world
 from chord_usd.base.scene.oriented_rect import EDGES, Edge, Footprint
-from chord_usd.base.scene.palette import CATEGORIES, having
+from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, FloatArray, Item, Opening, Plan, Room
 from chord_usd.base.scene.units import cm_from_m, fold_deg, m_from_cm, rotation_2d
 
@@ -37,8 +37,6 @@ _STEP_M = 0.025
 _GRID_M = np.stack(np.meshgrid(*[np.arange(-10, 11) * _STEP_M] * 2), axis=-1).reshape(-1, 2)
 _STEPS_M = _GRID_M[np.argsort(np.hypot(*_GRID_M.T), kind="stable")]
 _TOUCH_M2 = 1e-4
-_FREE_IN = having("moved")
-"""What stands free in a room: it has no back to be on a wall, unless it is drawn there."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +145,8 @@ def place(
             continue
         number = counts[room_id, category]
         counts[room_id, category] += 1
-        standing.append(footprint_polygon(box))
+        if category not in KITCHEN:
+            standing.append(footprint_polygon(box))
         new = replace(own, id=f"{room_id}/{category}_{number}", box=box, room_id=room_id)
         found.append(Placed(item, new.found(locked=True)))
     return found
@@ -189,16 +188,7 @@ def _standing(category: str, box: Box, room: Room, floor: _Floor) -> tuple[Box, 
 
 def _on_walls(box: Box, room: Room) -> Box:
     """The box square to the room, with its back and sides on walls near them."""
-    footprint = Footprint.of(box)
-    sides = np.roll(room.polygon_m, -1, axis=0) - room.polygon_m
-    lengths = np.hypot(*sides.T)
-    for side in np.argsort(-lengths):
-        turn = fold_deg(
-            footprint.rect.angle_deg - float(np.degrees(np.arctan2(*sides[side][::-1])))
-        )
-        if abs(turn) <= _SQUARE_DEG:
-            footprint = footprint.turned(-turn)
-            break
+    footprint = _square(Footprint.of(box), room.polygon_m)
     back: Edge = ("v1", "u0", "v0", "u1")[footprint.quarter_turns % 4]
     for axis in (0, 1):
         places = {
@@ -215,6 +205,17 @@ def _on_walls(box: Box, room: Room) -> Box:
             rect = rect.moved_edge(low, getattr(rect, low) + by)
             footprint = replace(footprint, rect=rect.moved_edge(high, getattr(rect, high) + by))
     return footprint.on(box)
+
+
+def _square(footprint: Footprint, polygon_m: FloatArray) -> Footprint:
+    """Turned to the longest side of a room that it is nearly parallel to."""
+    sides = np.roll(polygon_m, -1, axis=0) - polygon_m
+    for side in np.argsort(-np.hypot(*sides.T)):
+        along_deg = float(np.degrees(np.arctan2(*sides[side][::-1])))
+        turn = fold_deg(footprint.rect.angle_deg - along_deg)
+        if abs(turn) <= _SQUARE_DEG:
+            return footprint.turned(-turn)
+    return footprint
 
 
 def _wall_near(

@@ -10,9 +10,9 @@ from typing import Any
 from chord_usd.base.scene.drawn_pieces import KITCHEN, Placed, place
 from chord_usd.base.scene.dwellings import is_common
 from chord_usd.base.scene.geometry import footprint_polygon
-from chord_usd.base.scene.palette import having
+from chord_usd.base.scene.palette import category, having
 from chord_usd.base.scene.stair_cells import is_cell
-from chord_usd.base.scene.types import Item, Plan, SceneGraph
+from chord_usd.base.scene.types import Item, Opening, Plan, SceneGraph
 
 _ALIKE = {
     "sink_cabinet": "washbasin", "washbasin": "sink_cabinet", "table": "dining_table",
@@ -27,7 +27,7 @@ BUILT_M = 0.25
 
 def placed_pieces(plan: Plan) -> list[Placed]:
     """The pieces that a plan's drawing shows, each as it stands in its room, or why it does not."""
-    from chord_usd.base.metrics.clear_floor import clearances, is_high_enough
+    from chord_usd.base.metrics.clear_floor import ClearFloors, clearances, is_high_enough
     from chord_usd.base.metrics.rooms import is_studio, stands_in
 
     clear = list(clearances(plan.rooms, plan.openings))
@@ -44,7 +44,17 @@ def placed_pieces(plan: Plan) -> list[Placed]:
                 return name, ""
         return item.category, f"in a {room.kind}"
 
-    return place(plan, [(area, opening) for opening, area in clear], named, is_high_enough)
+    def blocks(item: Item, opening: Opening) -> bool:
+        length, width, _ = item.box.size_m
+        lowest = replace(item.box, size_m=(length, width, category(item.category).height_m[0]))
+        return is_high_enough(replace(item, box=lowest), opening)
+
+    placed = place(plan, [(area, opening) for opening, area in clear], named, blocks)
+    floors = ClearFloors(clear)
+    return [
+        one if one.item is None else replace(one, item=floors.below_sill(one.item))
+        for one in placed
+    ]
 
 
 def parted(placed: Iterable[Placed]) -> tuple[tuple[Item, ...], tuple[Item, ...]]:

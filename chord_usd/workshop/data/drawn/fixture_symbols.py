@@ -153,7 +153,6 @@ def tub(length: float, depth: float, rng: np.random.Generator) -> Shapes:
 def shower(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     """A tray: crossed, drained, tiled, round or cut at one corner, with or without a screen."""
     half, back = length / 2, depth / 2
-    one, other = diagonals(length, depth)
     body: Polygon = rectangle(length, depth)
     side = float(rng.choice([-1, 1]))
     if rng.random() < 0.15:
@@ -167,6 +166,16 @@ def shower(length: float, depth: float, rng: np.random.Generator) -> Shapes:
             cut = Polygon([(-half, -back), (corner[0], -back), (-half, corner[1])])
         body = body.difference(cut)
         shapes.append(body.buffer(-rng.uniform(0.03, 0.08), join_style="mitre"))
+    shapes += _fall(body, half, back, rng)
+    if rng.random() < 0.15:
+        shapes.append(line((-half, -back), (-half - 0.5, -back - 0.5)))
+    return [affinity.scale(shape, side, 1.0, origin=(0, 0)) for shape in [body, *shapes]]
+
+
+def _fall(body: Polygon, half: float, back: float, rng: np.random.Generator) -> Shapes:
+    """What says of a tray that water runs off it, or falls on it."""
+    one, other = diagonals(2 * half, 2 * back)
+    shapes: Shapes = []
     drain = oval(0, 0, *[rng.uniform(0.03, 0.07)] * 2)
     kind = int(rng.integers(9))
     if kind == 0:
@@ -195,9 +204,7 @@ def shower(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     else:
         grid = [(x, y) for x in np.linspace(-0.6, 0.6, 5) for y in np.linspace(-0.6, 0.6, 5)]
         shapes += [oval(x * half, y * back, 0.012, 0.012) for x, y in grid]
-    if rng.random() < 0.15:
-        shapes.append(line((-half, -back), (-half - 0.5, -back - 0.5)))
-    return [affinity.scale(shape, side, 1.0, origin=(0, 0)) for shape in [body, *shapes]]
+    return shapes
 
 
 def _open_shower(half: float, back: float, side: float, rng: np.random.Generator) -> Shapes:

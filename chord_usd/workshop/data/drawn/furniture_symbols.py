@@ -46,6 +46,17 @@ def bed(length: float, depth: float, rng: np.random.Generator) -> Shapes:
         if rng.random() < 0.1:
             shapes.append(scaled(box(left, top - tall, left + wide, top), 0.7))
     fold = top - tall - rng.uniform(0.02, 0.3)
+    shapes += _blanket(half, front, fold, rng)
+    if rng.random() < 0.15:
+        shapes.append(box(-half, front, half, front + rng.uniform(0.3, 0.6)))
+    if rng.random() < 0.1:
+        shapes += [line((x, front), (x, fold)) for x in np.arange(-half + 0.1, half, 0.15)]
+    return shapes
+
+
+def _blanket(half: float, front: float, fold: float, rng: np.random.Generator) -> Shapes:
+    """From the foot of a bed up to the fold, in one of several ways."""
+    shapes: Shapes = []
     kind = int(rng.integers(8))
     if kind == 0:
         shapes.append(line((-half, fold), (half, fold)))
@@ -53,7 +64,7 @@ def bed(length: float, depth: float, rng: np.random.Generator) -> Shapes:
         shapes.append(box(-half, front, half, fold))
         shapes.append(line((-half, fold - 0.2), (half, fold - 0.2)))
     elif kind in (2, 3):  # a corner turned down
-        width, high = rng.uniform(0.3, 0.9) * length, rng.uniform(0.2, 0.6)
+        width, high = rng.uniform(0.6, 1.8) * half, rng.uniform(0.2, 0.6)
         side = float(rng.choice([-1, 1]))
         shapes.append(line((-half, fold), (half, fold)))
         fly = Polygon([(half, fold), (half - width, fold), (half, fold - high)])
@@ -66,10 +77,6 @@ def bed(length: float, depth: float, rng: np.random.Generator) -> Shapes:
         shapes += [box(-half, front, 0, fold), box(0, front, half, fold)]
     elif kind == 6:
         shapes.append(line((-half, fold), (half, fold - rng.uniform(-0.5, 0.5))))
-    if rng.random() < 0.15:
-        shapes.append(box(-half, front, half, front + rng.uniform(0.3, 0.6)))
-    if rng.random() < 0.1:
-        shapes += [line((x, front), (x, fold)) for x in np.arange(-half + 0.1, half, 0.15)]
     return shapes
 
 
