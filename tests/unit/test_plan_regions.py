@@ -88,6 +88,22 @@ def test_rooms_without_a_wall_between_them_are_one() -> None:
     assert seen(labels)[0] == 1
 
 
+def test_a_torn_rim_has_no_more_corners_than_a_room() -> None:
+    """Hair lines and what is drawn at them tear the rim of a room in the eyes of the network."""
+    rng, labels = np.random.default_rng(3), two_rooms()
+    for y in range(66, 250, 9):
+        reach = int(rng.integers(1, 9))
+        labels[y : y + 5, 60 : 60 + reach] = WALL
+    for x in range(66, 240, 11):
+        labels[60 : 60 + int(rng.integers(1, 9)), x : x + 6] = WALL
+    segments = segments_of(labels)
+    rooms = room_outlines(find_regions(segments), segments, 0.024)
+    assert max(len(room.polygon_px) for room in rooms) <= 14
+    torn = min((Polygon(room.polygon_px) for room in rooms), key=lambda one: one.centroid.x)
+    whole = Polygon([(60, 60), (250, 60), (250, 260), (60, 260)])
+    assert torn.intersection(whole).area > 0.95 * torn.union(whole).area
+
+
 def test_specks_are_no_openings_and_belong_to_what_is_beside_them() -> None:
     labels = two_rooms()
     labels[220:225, 250:260] = WINDOW

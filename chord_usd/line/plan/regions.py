@@ -37,8 +37,12 @@ _NOISE = 0.35
 _GRAINS = 2.5
 """...and by how many of the pixels that were looked at: openings in thin walls bulge so far."""
 
-_MOST_CORNERS = 300
-"""An outline with more has a torn rim."""
+_USUAL_CORNERS, _MOST_CORNERS = 14, 300
+"""Few rooms have more than the first; an outline with more than the second has a torn rim."""
+_TEETH = (1.0, 2.0, 3.0)
+"""Teeth of a torn rim are no longer than so many thicknesses of a wall..."""
+_FILLS = 0.93
+"""...and a room without them shares at least so much with the region that was seen."""
 
 _TORN_M = 0.2
 """Parts of a flight that are no farther apart are one."""
@@ -132,7 +136,7 @@ def room_outlines(regions: Regions, segments: Segments, m_per_px: float) -> list
     """Outlines of the regions that are large enough for rooms."""
     noise_px = 0.5 + max(_NOISE * regions.thickness_px, _GRAINS * segments.grain_px)
     masks = [regions.labels == number for number in large_regions(regions.labels, m_per_px)]
-    polygons = [_polygon(mask, noise_px) for mask in masks]
+    polygons = [_polygon(mask, noise_px, regions.thickness_px) for mask in masks]
     if polygons and not is_askew(polygons):
         pairs = zip(polygons, masks, strict=True)
         polygons = [squared(polygon, mask, regions.thickness_px) for polygon, mask in pairs]
@@ -217,12 +221,27 @@ def _circle_of(outline: FloatArray) -> FloatArray | None:
     return np.asarray(circle.exterior.coords)[:-1]
 
 
-def _polygon(mask: BoolArray, noise_px: float) -> FloatArray:
+def _polygon(mask: BoolArray, noise_px: float, thickness_px: float) -> FloatArray:
     """The outline of a room, with no more corners than rooms have: torn rims are smoothed."""
     polygon = polygon_from_mask(mask, noise_px)
+    for teeth in _TEETH if len(polygon) > _USUAL_CORNERS else ():
+        whole = _without_teeth(mask, max(3, round(teeth * thickness_px)))
+        is_alike = (whole & mask).sum() > _FILLS * (whole | mask).sum()
+        smooth = polygon_from_mask(whole, noise_px) if is_alike else polygon
+        if len(smooth) <= _USUAL_CORNERS:
+            return smooth
     if len(polygon) > _MOST_CORNERS:
         polygon = np.array(Polygon(polygon).simplify(noise_px).exterior.coords)[:-1]
     return polygon
+
+
+def _without_teeth(mask: BoolArray, size_px: int) -> BoolArray:
+    """A region (H, W) without gaps and spikes narrower than a square of this size."""
+    square = np.ones((size_px, size_px), np.uint8)
+    padded = np.pad(mask.astype(np.uint8), size_px)
+    for way in (cv2.MORPH_CLOSE, cv2.MORPH_OPEN):
+        padded = cv2.morphologyEx(padded, way, square)
+    return padded[size_px:-size_px, size_px:-size_px] > 0
 
 
 def is_stairwell(outline: Outline) -> bool:
