@@ -16,6 +16,7 @@ from chord_usd.base.metrics.complete import lacking
 from chord_usd.base.metrics.design.price import conflicts, quick_price
 from chord_usd.base.metrics.design.shell import TOUCH_M, Shell
 from chord_usd.base.metrics.design.view import View
+from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, FloatArray
 
@@ -50,18 +51,22 @@ def cleared(view: View) -> View:
     """The draft without pieces that are still in others, before openings or in walls: they are left
     out of any house. Of those in each other the one goes without which the room costs least; what a
     room cannot do without stays."""
-    while (deep := conflicts(view) > TOUCH_M).any():
+    while ((deep := conflicts(view)) > TOUCH_M).any():
         least = needed_there(view.shell, view.categories)
-        options = []
-        for at in np.flatnonzero(deep.any(axis=1)).tolist():
-            others = np.flatnonzero(view.depths[at] > TOUCH_M).tolist() if deep[at, 0] else []
-            for one in (at, *others):
-                left = View(view.shell, tuple(_without(view.items, one)), view.hung)
-                if needed_there(view.shell, left.categories) >= least:
-                    options.append(left)
+        wrong = np.flatnonzero((deep > TOUCH_M).any(axis=1)).tolist()
+        units = [at for at in wrong if view.categories[at] in KITCHEN_UNITS]
+        if units:  # runs are composed later: which of many units goes first is worth no search
+            wrong = [max(units, key=lambda at: float(deep[at].max()))]
+        going = dict.fromkeys(
+            one for at in wrong
+            for one in (at, *np.flatnonzero(view.depths[at] > TOUCH_M).tolist())
+            if one == at or deep[at, 0] > TOUCH_M
+        )  # fmt: skip
+        lefts = (View(view.shell, tuple(_without(view.items, one)), view.hung) for one in going)
+        options = [left for left in lefts if needed_there(left.shell, left.categories) >= least]
         if not options:
             break
-        view = min(options, key=quick_price)
+        view = min(options, key=quick_price) if len(options) > 1 else options[0]
     return view
 
 
