@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 
@@ -94,6 +95,16 @@ def test_a_home_without_a_living_room_lives_where_it_sleeps() -> None:
     assert {item.category for item in after.items} & SEATS
     assert sum(room_faults(after, after.rooms)) <= sum(room_faults(home, home.rooms))
     assert _repaired(home, [room.id for room in home.rooms]).items == home.items
+
+
+@pytest.mark.parametrize(("others", "count"), [((), 1), (("living",), 0)])
+def test_a_television_hangs_before_the_bed_where_no_room_is_lived_in_else(
+    others: tuple[RoomKind, ...], count: int
+) -> None:
+    home = _home(("day", "bed", Box((3.9, 1.3, 0.0), (1.6, 2.1, 1.0), -90.0)))
+    more = [Room(kind, kind, frozen_array([(0, 9), (4, 9), (4, 13), (0, 13)])) for kind in others]
+    view = view_home(replace(home, rooms=(*home.rooms, *more))).rooms[0]
+    assert len(view.televisions) == count
 
 
 def test_a_table_is_laid_for_all_who_sleep_in_a_home() -> None:

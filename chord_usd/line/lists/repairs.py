@@ -23,7 +23,7 @@ from chord_usd.base.metrics.design.home_rules import (
     WARDROBES,
 )
 from chord_usd.base.metrics.design.view import HomeView, View
-from chord_usd.base.metrics.rooms import mixed_kind, stands_in
+from chord_usd.base.metrics.rooms import stands_in
 from chord_usd.base.scene.types import FloatArray, RoomKind
 from chord_usd.line.lists.changes import WARDROBE_M, Change, Propose, Size, at_walls, new_piece
 from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
@@ -34,7 +34,7 @@ from chord_usd.line.lists.pieces import TALL_M
 _WASHER_M = (0.6, 0.6, 0.85)
 _SHELVES_M = ((1.6, 0.4, 2.0), (0.8, 0.4, 2.0), (0.6, 0.38, 2.0))
 _SHOES_M = ((0.8, 0.3, 1.1), (0.6, 0.25, 1.1))
-_TV_M = (1.2, 0.35, 0.45)
+_TVS_M = ((1.2, 0.35, 0.45), (1.0, 0.3, 0.45))
 _EASY_M = (0.8, 0.8, 0.85)
 NEAR_DOOR_M = 2.9
 _SPARE_M = 0.04
@@ -65,9 +65,8 @@ def _of_kinds(home: HomeView, kinds: Sequence[RoomKind]) -> list[int]:
 
 def _lived_in(home: HomeView) -> list[int]:
     """The largest bedroom of a home that lives where it sleeps."""
-    kinds = [room.shell.kind for room in home.rooms]
-    own = _of_kinds(home, ("bedroom",))[:1]
-    return own if mixed_kind(kinds) == "bedroom" else []
+    own = _of_kinds(home, ("bedroom",))
+    return [at for at in own if home.rooms[at].shell.is_lived_in]
 
 
 def _laundry(home: HomeView) -> Iterator[Repair]:
@@ -114,12 +113,12 @@ def _television(home: HomeView) -> Iterator[Repair]:
     for at in _of_kinds(home, ("living",)):
         yield at, iter([sofa_groups, zoned])
     for at in _of_kinds(home, ("bedroom",)):
-        yield at, iter([_before_bed, partial(_added, category="tv_cabinet", sizes=[_TV_M])])
+        yield at, iter([_before_bed, partial(_added, category="tv_cabinet", sizes=_TVS_M)])
 
 
 def _before_bed(view: View) -> Iterator[Change]:
     """A television at the wall that the bed faces."""
-    for change in _added(view, "tv_cabinet", [_TV_M]):
+    for change in _added(view, "tv_cabinet", _TVS_M):
         turn = np.radians(change[-1].box.yaw_deg)
         front = np.array([np.sin(turn), -np.cos(turn)])
         if any(front @ view.front[bed] < -0.97 for bed in view.of("bed")):

@@ -61,9 +61,10 @@ class Screen:
 
 
 def places_on_walls(view: View, size_m: tuple[float, float, float] = SIZE_M) -> Iterator[Box]:
-    """Where a screen may hang before the longest sofa, from the middle of its view outwards: clear
-    of openings, and of pieces higher than its lower edge."""
-    sofa = max(view.of("sofa"), key=lambda at: view.length[at], default=None)
+    """Where a screen may hang before the longest sofa, or else a bed, from the middle of its view
+    outwards: clear of openings, and of pieces higher than its lower edge."""
+    seats = view.of("sofa") or view.of("bed")
+    sofa = max(seats, key=lambda at: view.length[at], default=None)
     if sofa is None:
         return
     found = []

@@ -16,6 +16,7 @@ from chord_usd.base.metrics.clear_floor import (
     open_borders,
     sides_of,
 )
+from chord_usd.base.metrics.rooms import mixed_kind
 from chord_usd.base.scene.geometry import room_polygon, room_sides
 from chord_usd.base.scene.types import (
     BoolArray,
@@ -152,6 +153,8 @@ class Shell:
     """(S, 2, 2) of its polygon."""
     is_largest: bool
     """Of the rooms of its kind."""
+    is_lived_in: bool
+    """Whether it is a living room, or the largest bedroom of a home without any."""
     joins_kitchen: bool
     """Whether an opening or an open border joins it to a kitchen, or it is one."""
 
@@ -206,6 +209,11 @@ def shells(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> dict[str, 
             if room_id in joined and way.kind != "window":
                 joined[room_id] |= {kinds[other] for other in way.room_ids if other in kinds}
     areas = {room.id: float(room_polygon(room).area) for room in rooms}
+    largest = {
+        room.id for room in rooms
+        if areas[room.id] >= max(areas[one.id] for one in rooms if one.kind == room.kind)
+    }  # fmt: skip
+    lived_in = "bedroom" if mixed_kind([room.kind for room in rooms]) == "bedroom" else "living"
     return {
         room.id: Shell(
             room,
@@ -214,7 +222,8 @@ def shells(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> dict[str, 
                           *borders[room.id]]),
             tuple(holes[room.id]),
             np.array(room_sides(room)),
-            areas[room.id] >= max(areas[o.id] for o in rooms if o.kind == room.kind),
+            room.id in largest,
+            room.kind == lived_in and (room.kind == "living" or room.id in largest),
             room.kind == "kitchen" or "kitchen" in joined[room.id],
         )
         for room in rooms

@@ -224,7 +224,7 @@ class View:
         found = [Screen.of(self.items[at].box, self.items[at].id)
                  for at in self.of("tv_cabinet") if at not in bare]  # fmt: skip
         hung: Iterable[Box] = self.hung or ()
-        if self.hung is None and self.shell.kind == "living" and not found:
+        if self.hung is None and self.shell.is_lived_in and not found:
             hung = islice(places_on_walls(self), 1)
         return found + [Screen.of(box) for box in hung]
 
