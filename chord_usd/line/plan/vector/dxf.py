@@ -326,8 +326,8 @@ class _Sorter:
         singles = self._single_lines([*self.areas, *pairs])
         notes = [_SINGLE] if singles and not pairs and not self.areas else []
         return VectorDrawing(
-            self.rooms, [*self.areas, *pairs, *singles], openings, self.labels, self.m_per_unit,
-            notes=notes,
+            self.rooms, [*self.areas, *pairs, *singles], openings, self.labels,
+            m_per_unit=self.m_per_unit, notes=notes,
         )  # fmt: skip
 
     def _between_lines(self) -> list[Polygon]:

@@ -111,7 +111,7 @@ def read_svg(path: Path) -> list[VectorDrawing]:
             drawings.append(
                 VectorDrawing(
                     found.rooms, found.walls, found.openings, found.labels,
-                    paper if is_full_size else None, _said(top),
+                    m_per_unit=paper if is_full_size else None, name=_said(top),
                     paper_m_per_unit=None if is_full_size else paper,
                 )
             )  # fmt: skip
