@@ -10,6 +10,7 @@ from functools import cache
 from typing import Protocol
 
 import numpy as np
+from shapely import remove_repeated_points
 from shapely.geometry import LineString, Polygon, box
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
@@ -84,7 +85,7 @@ class BuiltStair:
         ]  # fmt: skip
         area = self._own_area
         grown = [one.buffer(1e-6, join_style="mitre") for one in low]
-        open_m = area.difference(unary_union(grown))
+        open_m = remove_repeated_points(area.difference(unary_union(grown)), 1e-6)
         return self._in_world(open_m.buffer(_CLEAR_M, join_style="mitre").intersection(area))
 
     @property
