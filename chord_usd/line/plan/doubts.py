@@ -156,12 +156,12 @@ def doubts_of_sizes(plan: Plan, fit: Fit, frame: PixelFrame) -> Iterator[str]:
     if len(fit.misfits) > _MANY_MISFITS * fit.printed:
         count = len(fit.misfits)
         yield f"{count} of {fit.printed} printed sizes do not fit what was read: {CHECK_SCALE}"
-    for one in fit.misfits[:_MOST_LISTED]:
-        place = Point(*m_from_px(np.array(one.at_px), frame))
+    for misfit in fit.misfits[:_MOST_LISTED]:
+        place = Point(*m_from_px(np.array(misfit.at_px), frame))
         room = min(plan.rooms, key=lambda room: room_polygon(room).distance(place))
-        unit = "m²" if one.kind == "area" else "m"
-        read = " x ".join(f"{value:.2f}" for value in one.read_m)
-        yield f"{room.id}: {one.text!r} is printed there, {read} {unit} was read"
+        unit = "m²" if misfit.kind == "area" else "m"
+        read = " x ".join(f"{value:.2f}" for value in misfit.read_m)
+        yield f"{room.id}: {misfit.text!r} is printed there, {read} {unit} was read"
 
 
 def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:

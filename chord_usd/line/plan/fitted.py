@@ -102,7 +102,7 @@ def fit(
     maps = [
         _moved(knots[axis], [s for s in spans if s.axis == axis], thickness_px) for axis in (0, 1)
     ]
-    sizes = {n for n, one in enumerate(printed) if one.measure.kind == "size"}
+    sizes = {n for n, size in enumerate(printed) if size.measure.kind == "size"}
     left = {s.source for s in spans if s.source in sizes and _is_left(s, knots, maps)}
     misfits += [_misfit(printed[n], polygons_px, m_per_px) for n in sorted(left)]
 
@@ -137,7 +137,7 @@ class _Printed:
 
 def _printed(polygons_px: Sequence[FloatArray], texts: Sequence[Text]) -> list[_Printed]:
     """Sizes of rooms, and areas of those without a size."""
-    found: list[_Printed] = []
+    result: list[_Printed] = []
     for index, floor in enumerate(map(Polygon, polygons_px)):
         said: dict[Measure, Text] = {}
         for text in texts:
@@ -146,11 +146,11 @@ def _printed(polygons_px: Sequence[FloatArray], texts: Sequence[Text]) -> list[_
                 said.setdefault(measure, text)
         kept = distinct(list(said))
         kept = [measure for measure in kept if measure.kind == "size"] or kept
-        found += [_Printed(index, each, said[each], len(kept)) for each in kept]
-    areas = [one for one in found if one.measure.kind == "area"]
+        result += [_Printed(index, each, said[each], len(kept)) for each in kept]
+    areas = [size for size in result if size.measure.kind == "area"]
     if len(areas) == 1 and areas[0].measure.values[0] >= HOME_M2:
-        found.remove(areas[0])  # of the home
-    return found
+        result.remove(areas[0])  # of the home
+    return result
 
 
 def _refined(
@@ -158,30 +158,30 @@ def _refined(
 ) -> float:
     """The scale by the middle of all sizes that fit."""
     ratios = []
-    for one in (one for one in printed if one.measure.kind == "size"):
-        found = _rectangle(one, Polygon(polygons_px[one.room]), m_per_px)
-        if found is not None:
-            ratios += [math.log(said / span) for said, span in found[1]]
+    for size in (size for size in printed if size.measure.kind == "size"):
+        result = _rectangle(size, Polygon(polygons_px[size.room]), m_per_px)
+        if result is not None:
+            ratios += [math.log(said / span) for said, span in result[1]]
     if len(ratios) < 2 * _LEAST_REFINED:
         return m_per_px
     return math.exp(float(np.median(ratios)))
 
 
 def _rectangle(
-    one: _Printed, floor: Polygon, m_per_px: float
+    size: _Printed, floor: Polygon, m_per_px: float
 ) -> tuple[tuple[float, float, float, float], tuple[tuple[float, float], ...]] | None:
     """The rectangle of a room whose sides come nearest to a size, and (printed, seen) of both axes;
     None where none is near."""
-    best = _nearest(one, floor, m_per_px)
+    best = _nearest(size, floor, m_per_px)
     return best[1:] if best is not None and best[0] < _FITS else None
 
 
 def _nearest(
-    one: _Printed, floor: Polygon, m_per_px: float
+    size: _Printed, floor: Polygon, m_per_px: float
 ) -> tuple[float, tuple[float, float, float, float], tuple[tuple[float, float], ...]] | None:
-    first, second = one.measure.values
+    first, second = size.measure.values
     best = None
-    near = rectangles_in(floor, one.measure.values, one.text.center_px, _PROPORTION, one.sizes)
+    near = rectangles_in(floor, size.measure.values, size.text.center_px, _PROPORTION, size.sizes)
     for bounds in (floor.bounds, *near):
         seen = bounds[2] - bounds[0], bounds[3] - bounds[1]
         for sides in ((first, second), (second, first)):
@@ -197,32 +197,32 @@ def _spans_of_rooms(
 ) -> tuple[list[_Span], list[Misfit]]:
     spans: list[_Span] = []
     misfits: list[Misfit] = []
-    for index, one in enumerate(printed):
-        floor = Polygon(polygons_px[one.room])
-        if one.measure.kind == "area":
-            off = 0.5 * math.log(one.measure.values[0] / (floor.area * m_per_px**2))
-            rounding = 0.25 * _step(one.text.text) / one.measure.values[0]
-            if one.is_alone and abs(off) > _MISFIT + rounding:
-                misfits.append(_misfit(one, polygons_px, m_per_px))
-            elif one.is_alone and rounding < abs(off) < _FITS:
+    for index, size in enumerate(printed):
+        floor = Polygon(polygons_px[size.room])
+        if size.measure.kind == "area":
+            off = 0.5 * math.log(size.measure.values[0] / (floor.area * m_per_px**2))
+            rounding = 0.25 * _step(size.text.text) / size.measure.values[0]
+            if size.is_alone and abs(off) > _MISFIT + rounding:
+                misfits.append(_misfit(size, polygons_px, m_per_px))
+            elif size.is_alone and rounding < abs(off) < _FITS:
                 spans += _spans(floor.bounds, (math.exp(off),) * 2, rounding, index)
             continue
-        found = _rectangle(one, floor, m_per_px)
-        if found is not None:
-            bounds, pairs = found
+        result = _rectangle(size, floor, m_per_px)
+        if result is not None:
+            bounds, pairs = result
             ratios = tuple(said / (span * m_per_px) for said, span in pairs)
             spans += _spans(bounds, ratios, 0.0, index)
-        elif one.is_alone:
-            nearest = _nearest(one, floor, m_per_px)
-            if nearest is not None and nearest[0] > _MISFIT and one.measure.is_sure:
-                misfits.append(_misfit(one, polygons_px, m_per_px))
+        elif size.is_alone:
+            nearest = _nearest(size, floor, m_per_px)
+            if nearest is not None and nearest[0] > _MISFIT and size.measure.is_sure:
+                misfits.append(_misfit(size, polygons_px, m_per_px))
     return spans, misfits
 
 
 def _step(text: str) -> float:
     """What the last digit of a number counts."""
     digits = text.replace(",", ".").partition(".")[2]
-    places = next((n for n, one in enumerate(digits) if not one.isdigit()), len(digits))
+    places = next((n for n, size in enumerate(digits) if not size.isdigit()), len(digits))
     return 10.0**-places
 
 
@@ -240,7 +240,7 @@ def _spans_of_chains(
     texts: Sequence[Text], knots: Sequence[FloatArray], m_per_px: float, source: int
 ) -> list[_Span]:
     """Lengths of chains that end at walls."""
-    found: list[_Span] = []
+    result: list[_Span] = []
     for length_m, center_px, axis in chain_lengths(texts):
         length = length_m / m_per_px
         near_px = _CHAIN_FITS * length / 2
@@ -248,8 +248,8 @@ def _spans_of_chains(
         if all(end is not None and abs(end[1]) <= near_px for end in ends):
             (low, _), (high, _) = (end for end in ends if end is not None)
             sigma = _PRINTED_PX + _PRINTED_SHARE * length
-            found.append(_Span(axis, low, high, length, sigma, source + len(found)))
-    return found
+            result.append(_Span(axis, low, high, length, sigma, source + len(result)))
+    return result
 
 
 def _near(knots: FloatArray, place: float) -> tuple[float, float] | None:
@@ -286,13 +286,13 @@ def _moved(knots: FloatArray, spans: Sequence[_Span], thickness_px: float) -> Fl
     wanted = np.array([*gaps, *(s.length_px for s in spans), knots.mean()])
     sigmas = np.array([*sigmas, *(s.sigma_px for s in spans), 1.0])
     weights = np.ones(len(wanted))
-    found = knots
+    result = knots
     for _ in range(_ROUNDS):
         by = weights / sigmas
-        found = np.linalg.lstsq(rows * by[:, None], wanted * by, rcond=None)[0]
-        off = (rows @ found - wanted)[below] / (3.0 * sigmas[below])
+        result = np.linalg.lstsq(rows * by[:, None], wanted * by, rcond=None)[0]
+        off = (rows @ result - wanted)[below] / (3.0 * sigmas[below])
         weights[below] = 1.0 / (1.0 + off**2)
-    return found if bool(np.all(np.diff(found) > 0.0)) else knots
+    return result if bool(np.all(np.diff(result) > 0.0)) else knots
 
 
 def _at(knots: FloatArray, place: float) -> int:
@@ -314,13 +314,13 @@ def _is_left(span: _Span, knots: Sequence[FloatArray], maps: Sequence[FloatArray
     return bool(abs(high - low - span.length_px) > _LEFT_PX + _LEFT_SHARE * span.length_px)
 
 
-def _misfit(one: _Printed, polygons_px: Sequence[FloatArray], m_per_px: float) -> Misfit:
-    floor = Polygon(polygons_px[one.room])
+def _misfit(size: _Printed, polygons_px: Sequence[FloatArray], m_per_px: float) -> Misfit:
+    floor = Polygon(polygons_px[size.room])
     read: tuple[float, ...] = (floor.area * m_per_px**2,)
-    if one.measure.kind == "size":
-        nearest = _nearest(one, floor, m_per_px)
+    if size.measure.kind == "size":
+        nearest = _nearest(size, floor, m_per_px)
         pairs = nearest[2] if nearest is not None else ()
-        by_said = sorted(pairs, key=lambda pair: one.measure.values.index(pair[0]))
+        by_said = sorted(pairs, key=lambda pair: size.measure.values.index(pair[0]))
         read = tuple(span * m_per_px for _, span in by_said)
-    x, y = (float(value) for value in one.text.center_px)
-    return Misfit(one.text.text, (x, y), read, one.measure.kind)
+    x, y = (float(value) for value in size.text.center_px)
+    return Misfit(size.text.text, (x, y), read, size.measure.kind)

@@ -213,14 +213,14 @@ def speaking(pieces: Iterable[Item], floor: Polygon) -> dict[RoomKind, float]:
 def named_pieces(texts: Iterable[str]) -> dict[RoomKind, float]:
     """Nats for kinds of a floor by furniture and fixtures that are named there, and are no names of
     rooms: "Bett", "stove"."""
-    found: dict[RoomKind, float] = {}
+    spoken: dict[RoomKind, float] = {}
     for text in texts:
         words = re.findall(r"\w+", plain(text.casefold()))
         phrases = {"_".join(words[a:b]) for a in range(len(words)) for b in range(a + 1, a + 4)}
         for piece in {_piece_words()[phrase] for phrase in phrases & _piece_words().keys()}:
             kind, nats = _SPEAKS[piece]
-            found[kind] = min(found.get(kind, 0.0) + nats, _MOST_SPOKEN)
-    return found
+            spoken[kind] = min(spoken.get(kind, 0.0) + nats, _MOST_SPOKEN)
+    return spoken
 
 
 @cache
