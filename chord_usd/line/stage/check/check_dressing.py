@@ -13,7 +13,7 @@ from chord_usd.base.metrics.clear_floor import rooms_beside
 from chord_usd.base.metrics.rooms import rooms_to_furnish
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.palette import CATEGORIES, Mount
-from chord_usd.base.scene.types import Item, Opening, Room, RoomKind, SceneGraph
+from chord_usd.base.scene.types import WET_KINDS, Item, Opening, Room, RoomKind, SceneGraph
 from chord_usd.line.stage.author.textures import bound_material, coordinates_read
 from chord_usd.line.stage.check.check_held import WINDOW_GAP_M
 from chord_usd.line.stage.check.check_scene import StageScene
@@ -40,7 +40,7 @@ class Dressing:
     windows_dressed: float
     """Share of the windows of rooms that nobody leaves empty that have a curtain or blind."""
     wet_rooms_with_mirror: float
-    """Share of bathrooms and WCs."""
+    """Share of bathrooms, and of other wet rooms with a washbasin."""
     textured_area: float
     """Share of the surface of furniture and dressing whose material has a texture."""
 
@@ -69,7 +69,10 @@ def measure_dressing(stage: Usd.Stage, storeys: Sequence[StageScene]) -> Dressin
         windows += len(own)
     mirrored = {one.room_id for graph in graphs for one in graph.dressing
                 if one.category == "mirror"}  # fmt: skip
-    wet = [room.id for graph in graphs for room in graph.rooms if room.kind in ("bathroom", "wc")]
+    basins = {item.room_id for graph in graphs for item in graph.items
+              if item.category == "washbasin"}  # fmt: skip
+    wet = [room.id for graph in graphs for room in graph.rooms
+           if room.kind in WET_KINDS and (room.kind == "bathroom" or room.id in basins)]  # fmt: skip
     return Dressing(
         items=sum(len(graph.dressing) for graph in graphs),
         windows_dressed=_share(dressed, windows),
