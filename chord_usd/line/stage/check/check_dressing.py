@@ -71,8 +71,8 @@ def measure_dressing(stage: Usd.Stage, storeys: Sequence[StageScene]) -> Dressin
                 if one.category == "mirror"}  # fmt: skip
     basins = {item.room_id for graph in graphs for item in graph.items
               if item.category == "washbasin"}  # fmt: skip
-    wet = [room.id for graph in graphs for room in graph.rooms
-           if room.kind in WET_KINDS and (room.kind == "bathroom" or room.id in basins)]  # fmt: skip
+    rooms = [room for graph in graphs for room in graph.rooms if room.kind in WET_KINDS]
+    wet = [room.id for room in rooms if room.kind == "bathroom" or room.id in basins]
     return Dressing(
         items=sum(len(graph.dressing) for graph in graphs),
         windows_dressed=_share(dressed, windows),
