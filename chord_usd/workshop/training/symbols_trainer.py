@@ -34,7 +34,7 @@ _SCORED_AT = 0.35
 _NEAR_M, _SAME_WAY = 0.25, 0.866
 """How near a centre has to be, and how near a direction: the cosine."""
 _LEAST_LOOKED_AT = 0.15
-_PRECISION, _LEAST_SURE = 0.85, (0.25, 0.6)
+_PRECISION, _LEAST_SURE = 0.85, (0.3, 0.6)
 """Share of pieces that are right from the least chance on, and bounds of that chance."""
 _AT_ONCE = 8
 
