@@ -34,7 +34,7 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.line.lists.dining_changes import seats_at
-from chord_usd.line.lists.improve import improved
+from chord_usd.line.lists.improve import free_of_clashes, improved
 from chord_usd.line.lists.other_places import changes_of
 from chord_usd.line.lists.put_back import put_back
 
@@ -160,3 +160,16 @@ def test_a_shower_before_a_window_moves() -> None:
     after = put_back(house, house, ["room"], [], lambda one: one)
     assert "shower" in [item.category for item in after.items]
     assert not blocked_openings(after)
+
+
+def test_nothing_is_placed_where_a_door_of_furniture_swings() -> None:
+    room = Room("room", "living", frozen_array([(0, 0), (5, 0), (5, 4), (0, 4)]))
+    cabinet = Item("room/tv_cabinet_0", "tv_cabinet", Box((2.5, 0.2, 0.0), (1.6, 0.4, 0.5), 180.0),
+                   "room")  # fmt: skip
+    before = View(shells((room,), ())["room"], (cabinet,))
+    tables = [Item("room/t", "dining_table", Box((2.5, y, 0.0), (1.4, 0.8, 0.75), 0.0), "room")
+              for y in (1.1, 1.4)]  # fmt: skip
+    for there, new in (((cabinet,), tables), ((), [(cabinet, table) for table in tables])):
+        view = before if there else View(before.shell, ())
+        changes = [(*there, one) if there else one for one in new]
+        assert free_of_clashes(view, changes) == changes[1:]

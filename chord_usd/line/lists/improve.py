@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from chord_usd.base.metrics.design.price import beyond_walls, quick_price, tight
-from chord_usd.base.metrics.design.shell import TOUCH_M
+from chord_usd.base.metrics.design.shell import TOUCH_M, Rects
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.overlap import overlaps_by_nature
-from chord_usd.base.scene.types import Item
+from chord_usd.base.scene.palette import having
+from chord_usd.base.scene.types import BoolArray, Item
 from chord_usd.line.lists.changes import Change, Propose
 
 LEAST_GAIN = 1e-6
@@ -18,6 +19,9 @@ _WEIGHED = 24
 """Changes of one kind that are weighed by all rules, evenly of those that clash with nothing."""
 _LOOKED_AT = 4
 """Of the changes of one kind, so many of the best are looked at exactly."""
+SWING_M = 0.5
+"""Before what opens: as wide as most leaves are."""
+_OPENING = having("sideboard") | having("laundry") | having("kitchen_unit")
 
 
 def improved(
@@ -51,6 +55,24 @@ def improved(
     return view
 
 
+def _stand_before(view: View, others: View) -> BoolArray:
+    """(N, M) which pieces of one view stand where leaves of others swing."""
+    meets: BoolArray = view.rects.depths(_fronts(others)) > TOUCH_M
+    return meets & view.stands[:, None] & _opens(others)[None]
+
+
+def _opens(view: View) -> BoolArray:
+    return np.array([name in _OPENING for name in view.categories], np.bool_)
+
+
+def _fronts(view: View) -> Rects:
+    """The floor before each piece that its leaves need to open."""
+    half = np.stack([np.maximum(view.length / 2 - 2 * TOUCH_M, 0.0),
+                     np.full(len(view.items), SWING_M / 2)], axis=-1)  # fmt: skip
+    at = view.at + view.front * (view.depth / 2 + SWING_M / 2)[:, None]
+    return Rects(at, view.right, view.front, half)
+
+
 def _keeping(view: View, changes: Iterable[Change]) -> list[Change]:
     """Those of some changes that leave what the plan shows as it is."""
     locked = {id(item) for item in view.items if item.facts.locked}
@@ -59,7 +81,7 @@ def _keeping(view: View, changes: Iterable[Change]) -> list[Change]:
 
 def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
     """Those of some changes whose new pieces stand in no others and not in each other, before no
-    opening and within the room."""
+    opening and no leaf that opens, and within the room."""
     there = {id(item): at for at, item in enumerate(view.items)}
     stays = np.zeros((len(changes), len(view.items)), np.bool_)
     new: list[Item] = []
@@ -75,7 +97,9 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
     if not new:
         return list(changes)
     fresh = View(view.shell, tuple(new))
-    deep = (fresh.rects.depths(view.rects) > TOUCH_M) & stays[change_of]
+    beside = stays[change_of]
+    shut = _stand_before(fresh, view) | _stand_before(view, fresh).T
+    deep = (fresh.rects.depths(view.rects) > TOUCH_M) & beside
     for one, at in np.argwhere(deep):
         deep[one, at] = not overlaps_by_nature(new[one], view.items[at])
     blocks = fresh.rects.depths(view.shell.clear) > TOUCH_M
@@ -87,7 +111,10 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
         into = fresh.rects.of(first).depths_each(fresh.rects.of(first + step)) > TOUCH_M
         for one in first[into].tolist():
             together[one] |= not overlaps_by_nature(new[one], new[one + step])
-    wrong = together | deep.any(axis=1) | blocks.any(axis=1)
+        for a, b in ((first, first + step), (first + step, first)):
+            meets = fresh.rects.of(a).depths_each(_fronts(fresh).of(b)) > TOUCH_M
+            together[first] |= meets & fresh.stands[a] & _opens(fresh)[b]
+    wrong = (shut & beside).any(axis=1) | together | deep.any(axis=1) | blocks.any(axis=1)
     wrong |= beyond_walls(fresh.corners, view.shell) > TOUCH_M
     refused = set(number[wrong].tolist())
     return [items for nth, items in enumerate(changes) if nth not in refused]
