@@ -250,6 +250,9 @@ def test_a_named_kitchen_is_the_only_one(first):
     uses = uses_of_home([rows[at] for at in order], True)
     assert [use.kind for use in uses].count("kitchen") == 1
     assert not any("kitchen" in use.further for use in uses)
+    sink = floors(seen, [24.0, 6.0, 12.0], ["living", "kitchen", "unknown"],
+                  floor0={"drawn": {"kitchen": 4.0}})  # fmt: skip
+    assert not any("kitchen" in use.further for use in uses_of_home(sink, True))
 
 
 def test_a_kitchen_that_is_drawn_is_no_reason_for_a_bed():

@@ -135,9 +135,9 @@ def _drawn(plan: Plan, rooms: Sequence[Room]) -> dict[str, set[str]]:
     for one in noted if isinstance(noted, list | tuple) else ():
         place = [one.get(axis) for axis in "xy"] if isinstance(one, Mapping) else []
         if len(place) == 2 and all(isinstance(value, int | float) for value in place):
-            seen.append((str(one.get("category")), (place[0], place[1])))
-    for category, place in seen:
+            seen.append((str(one.get("category")), (float(place[0]), float(place[1]))))
+    for category, at in seen:
         for room_id, floor in floors:
-            if floor.intersects(shapely.Point(place)):
+            if floor.intersects(shapely.Point(at)):
                 found[room_id].add(category)
     return found

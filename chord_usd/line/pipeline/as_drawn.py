@@ -28,10 +28,10 @@ BUILT_M = 0.25
 def placed_pieces(plan: Plan) -> list[Placed]:
     """The pieces that a plan's drawing shows, each as it stands in its room, or why it does not."""
     from chord_usd.base.metrics.clear_floor import ClearFloors, clearances, is_high_enough
-    from chord_usd.base.metrics.rooms import is_studio, stands_in
+    from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 
     clear = list(clearances(plan.rooms, plan.openings))
-    in_studio = is_studio([room.kind for room in plan.rooms])
+    mixed = mixed_kind([room.kind for room in plan.rooms])
 
     def named(item: Item, room_id: str) -> tuple[str, str]:
         room = plan.room(room_id)
@@ -40,7 +40,7 @@ def placed_pieces(plan: Plan) -> list[Placed]:
         if item.category in having("kitchen_unit") and item.category not in KITCHEN:
             return item.category, "a part of the composed kitchen"
         for name in (item.category, _ALIKE.get(item.category, "")):
-            if stands_in(name, room.kind, in_studio):
+            if stands_in(name, room.kind, mixed):
                 return name, ""
         return item.category, f"in a {room.kind}"
 

@@ -163,7 +163,10 @@ def uses_of_home(
             for more, uses in options:
                 after = counts.more(uses, floor)
                 is_second = "kitchen" in uses.all and (is_named or counts.kitchens > 0)
-                total = nats + more - _SECOND_KITCHEN * (is_second and not floor.names_kitchen)
+                total = nats + more
+                if is_second and not floor.names_kitchen:
+                    # A sink drawn elsewhere, in a scullery or a bar, makes no second kitchen.
+                    total -= _SECOND_KITCHEN + floor.drawn.get("kitchen", 0.0)
                 if after not in reached or total > reached[after][0]:
                     reached[after] = total, (*way, uses)
         best = reached

@@ -74,7 +74,7 @@ class PieceFinder:
         way = cv2.INTER_AREA if share < 1.0 else cv2.INTER_CUBIC
         small = np.asarray(cv2.resize(rgb, size, interpolation=way), np.uint8)
         # Where the picture is finer than it may be enlarged to, sizes are those of its own scale.
-        found = [piece for window in _windows(small.shape[:2])
+        found = [piece for window in _windows((small.shape[0], small.shape[1]))
                  for piece in self._in_window(small, window, enough)]  # fmt: skip
         found.sort(key=lambda piece: -piece.chance)
         return [_times(piece, 1.0 / share) for piece in _apart(found)]

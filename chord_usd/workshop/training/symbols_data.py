@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor
 from torch.utils.data import IterableDataset, get_worker_info
@@ -146,7 +147,7 @@ def posed(crop: Crop, rng: np.random.Generator) -> Crop:
     return Crop(rgb, pieces)
 
 
-def targets_of(pieces: FloatArray) -> tuple[ByteArray, FloatArray, ByteArray]:
+def targets_of(pieces: FloatArray) -> tuple[ByteArray, npt.NDArray[np.float32], ByteArray]:
     """Hills about centres, shapes, and where shapes are said, as Batch has them."""
     cells = CROP_PX // PIECE_STEP_PX
     hills = np.zeros((len(PIECE_NAMES), cells, cells), np.uint8)

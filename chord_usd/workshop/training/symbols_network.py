@@ -52,8 +52,12 @@ class SymbolsNetwork(nn.Module):
         self.centres = _head(CHANNELS[_FINEST], len(PIECE_NAMES))
         self.shapes = _head(CHANNELS[_FINEST], 6)
         with torch.no_grad():
-            self.centres[-1].bias.fill_(_RARE)  # type: ignore[operator, union-attr]
-            self.shapes[-1].bias[2:4] = _USUAL_SIDE  # type: ignore[index]
+            for head, part, value in (
+                (self.centres, slice(None), _RARE), (self.shapes, slice(2, 4), _USUAL_SIDE),
+            ):  # fmt: skip
+                bias = head[-1].bias
+                assert isinstance(bias, Tensor)
+                bias[part] = value
 
     def forward(self, rgb: Tensor) -> tuple[Tensor, Tensor]:
         """Logits of centres, and shapes."""

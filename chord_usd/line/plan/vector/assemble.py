@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from shapely import affinity
@@ -90,7 +91,7 @@ def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None
     _refuse_niches(rooms, scaled.walls, where)
     openings = _openings(scaled, rooms)
     told = [*drawing.notes, *scale.warnings()]
-    extra = {SCALE: scale.report(), **({WARNINGS: told} if told else {})}
+    extra: dict[str, Any] = {SCALE: scale.report(), **({WARNINGS: told} if told else {})}
     extra |= {DRAWN: to_entry(_items(scaled.pieces))} if scaled.pieces else {}
     plan = Plan(rooms, openings, extra)
     return _parted(plan, () if drawing.rooms else scaled.labels)

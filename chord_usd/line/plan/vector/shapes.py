@@ -72,7 +72,6 @@ class VectorDrawing:
     walls: Sequence[Polygon] = ()
     openings: Sequence[OpeningShape] = ()
     labels: Sequence[Label] = ()
-    pieces: Sequence[PieceShape] = ()
     m_per_unit: float | None = None
     """None where the file does not say."""
     name: str = ""
@@ -85,6 +84,7 @@ class VectorDrawing:
     paper_m_per_unit: float | None = None
     """On a sheet of paper, drawn at a scale that the file does not say."""
     extra: Mapping[str, object] = field(default_factory=dict)
+    pieces: Sequence[PieceShape] = ()
 
 
 def refuse_absurd(drawing: VectorDrawing, where: Path) -> None:
