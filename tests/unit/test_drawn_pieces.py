@@ -12,6 +12,7 @@ from chord_usd.base.scene.drawn_pieces import DRAWN, drawn_items, to_entry
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.base.scene.piece_names import piece_named
 from chord_usd.base.scene.pose import Pose, posed
+from chord_usd.base.scene.trim import CASING_M
 from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, frozen_array
 from chord_usd.line.pipeline.as_drawn import placed_pieces
 
@@ -49,6 +50,15 @@ def test_a_back_is_put_on_the_wall_that_it_faces() -> None:
         assert one.item is not None
         far = np.array(one.item.box.center_m[:2]) + back * one.item.box.size_m[1] / 2
         assert far[axis] == pytest.approx(wall)
+
+
+def test_a_piece_beside_a_door_keeps_off_its_casing() -> None:
+    """Its lid would not open."""
+    drawn = piece("toilet", 2.72, 0.33, (0.4, 0.65), 180.0)
+    (one,) = placed_pieces(plan("bathroom", drawn))
+    assert one.item is not None
+    right = one.item.box.center_m[0] + one.item.box.size_m[0] / 2
+    assert 2.6 < right <= DOOR.box.center_m[0] - DOOR.box.size_m[0] / 2 - CASING_M[0] + 1e-6
 
 
 def test_sizes_are_those_of_the_category() -> None:

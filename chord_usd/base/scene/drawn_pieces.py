@@ -19,6 +19,7 @@ from shapely.geometry import Point, Polygon
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon, to_world
 from chord_usd.base.scene.oriented_rect import EDGES, Edge, Footprint
 from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.trim import casings
 from chord_usd.base.scene.types import Box, FloatArray, Item, Opening, Plan, Room
 from chord_usd.base.scene.units import cm_from_m, fold_deg, m_from_cm, rotation_2d
 
@@ -35,7 +36,9 @@ _SQUARE_DEG = 30.0
 _STEP_M = 0.025
 """A piece is moved in such steps, by up to a quarter of a metre along each axis, to stand clear."""
 _GRID_M = np.stack(np.meshgrid(*[np.arange(-10, 11) * _STEP_M] * 2), axis=-1).reshape(-1, 2)
-_STEPS_M = _GRID_M[np.argsort(np.hypot(*_GRID_M.T), kind="stable")]
+_OFF_WALL = 4.0
+"""A move off the wall behind a piece counts so many times as far as one along it."""
+_STEPS_M = _GRID_M[np.argsort(np.hypot(*(_GRID_M * (1.0, _OFF_WALL)).T), kind="stable")]
 _TOUCH_M2 = 1e-4
 
 
@@ -125,6 +128,7 @@ def place(
     opening is in its way.
     """
     floors = {room.id: room_polygon(room) for room in plan.rooms}
+    trims = {room.id: _trims(room, plan.openings) for room in plan.rooms}
     counts: Counter[tuple[str, str]] = Counter()
     standing: list[Polygon] = []
     found = []
@@ -138,6 +142,7 @@ def place(
         box = _on_walls(usual_box(category, item.box), plan.room(room_id))
         if not reason and category not in KITCHEN:
             kept_free = [area for area, opening in clear if blocks(replace(own, box=box), opening)]
+            kept_free += trims[room_id]
             floor = _Floor(floors[room_id], kept_free, standing)
             box, reason = _standing(category, box, plan.room(room_id), floor)
         if reason:
@@ -150,6 +155,16 @@ def place(
         new = replace(own, id=f"{room_id}/{category}_{number}", box=box, room_id=room_id)
         found.append(Placed(item, new.found(locked=True)))
     return found
+
+
+def _trims(room: Room, openings: Sequence[Opening]) -> list[Polygon]:
+    """Floor below the casings of a room's doors: lids and drawers beside them could not open."""
+    return [
+        footprint_polygon(casing)
+        for opening in openings
+        if room.id in opening.room_ids
+        for casing in casings(opening, room)
+    ]
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,8 +39,9 @@ _GRAINS = 2.5
 
 _USUAL_CORNERS, _MOST_CORNERS = 14, 300
 """Few rooms have more than the first; an outline with more than the second has a torn rim."""
-_TEETH = (1.0, 2.0, 3.0)
-"""Teeth of a torn rim are no longer than so many thicknesses of a wall..."""
+_TOOTH, _TEETH = 2.0, (1.0, 2.0, 3.0)
+"""Most edges of a torn rim are shorter than so many thicknesses of a wall. Its teeth are narrower
+than these..."""
 _FILLS = 0.93
 """...and a room without them shares at least so much with the region that was seen."""
 
@@ -224,7 +225,7 @@ def _circle_of(outline: FloatArray) -> FloatArray | None:
 def _polygon(mask: BoolArray, noise_px: float, thickness_px: float) -> FloatArray:
     """The outline of a room, with no more corners than rooms have: torn rims are smoothed."""
     polygon = polygon_from_mask(mask, noise_px)
-    for teeth in _TEETH if len(polygon) > _USUAL_CORNERS else ():
+    for teeth in _TEETH if _is_torn(polygon, thickness_px) else ():
         whole = _without_teeth(mask, max(3, round(teeth * thickness_px)))
         is_alike = (whole & mask).sum() > _FILLS * (whole | mask).sum()
         smooth = polygon_from_mask(whole, noise_px) if is_alike else polygon
@@ -233,6 +234,13 @@ def _polygon(mask: BoolArray, noise_px: float, thickness_px: float) -> FloatArra
     if len(polygon) > _MOST_CORNERS:
         polygon = np.array(Polygon(polygon).simplify(noise_px).exterior.coords)[:-1]
     return polygon
+
+
+def _is_torn(polygon: FloatArray, thickness_px: float) -> bool:
+    """Whether most edges of an outline with many corners are no longer than teeth."""
+    lengths = np.hypot(*(np.roll(polygon, -1, axis=0) - polygon).T)
+    short = lengths < _TOOTH * thickness_px
+    return len(polygon) > _USUAL_CORNERS and bool(short.mean() > 0.5)
 
 
 def _without_teeth(mask: BoolArray, size_px: int) -> BoolArray:
