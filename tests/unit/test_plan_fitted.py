@@ -81,6 +81,22 @@ def test_walls_without_measures_stay() -> None:
     assert found.m_per_px == M_PER_PX
 
 
+def test_digits_that_were_not_read_move_nothing_far() -> None:
+    """OCR reads 3.1 for 3.19: half a decimetre is what such a length may be off."""
+    rooms = [room(0, 0, 319, 400)]
+    exact = fit(rooms, [], [text_at("3.10 x 4.00", 160, 200)], M_PER_PX, WALL_PX)
+    coarse = fit(rooms, [], [text_at("3.1 x 4.00", 160, 200)], M_PER_PX, WALL_PX)
+    moved = [abs(np.ptp(one.polygons_px[0][:, 0]) - 319) for one in (exact, coarse)]
+    assert moved[1] < 0.75 * moved[0]
+
+
+def test_few_measures_move_nothing_and_are_still_compared() -> None:
+    texts = [text_at("4.00 x 2.40", 200, 150), SIZES[1]]
+    still = fit(SEEN, [], texts, M_PER_PX, WALL_PX, moves=False)
+    assert all(np.allclose(a, b) for a, b in zip(still.polygons_px, SEEN, strict=True))
+    assert [one.text for one in still.misfits] == ["4.00 x 2.40"]
+
+
 def test_many_sizes_say_the_scale_together() -> None:
     rooms = [room(420.0 * n, 0, 420.0 * n + 400, 300) for n in range(4)]
     texts = [text_at("4.10 x 3.08", 420.0 * n + 200, 150) for n in range(4)]

@@ -74,6 +74,8 @@ _SURROUNDED_M2 = 1.0
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
 _READINGS = 2
+_LEAST_FITTED = 3
+"""Of two measures that agree neither says which walls are off."""
 
 _BESIDE_SHARE = 0.3
 """Of a plan's longer side: dimensions stand so near to it."""
@@ -228,7 +230,7 @@ def _read_part(page: _Page) -> _Found:
         again = _scale(reading, page)
         scale = again if again.is_printed else scale
     page = replace(page, is_home=page.is_home and not told)
-    fitted = _fitted(reading, page, scale.m_per_px) if scale.is_printed else None
+    fitted = _fitted(reading, page, scale) if scale.is_printed else None
     if fitted is not None:
         reading, scale = reading.with_fit(fitted), replace(scale, m_per_px=fitted.m_per_px)
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
@@ -298,11 +300,12 @@ def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]
     return chosen, [f"{_SHOWS}{len(parts)} plans; {which}, --part N takes another"]
 
 
-def _fitted(reading: SeenReading, page: _Page, m_per_px: float) -> Fit:
+def _fitted(reading: SeenReading, page: _Page, scale: Scale) -> Fit:
     """Walls where printed sizes put them, which say the scale, too."""
     polygons = [outline.polygon_px for outline in reading.outlines]
     texts, thickness = _beside(page.texts, polygons), reading.regions.thickness_px
-    return fit(polygons, reading.openings, texts, m_per_px, thickness)
+    moves = scale.count >= _LEAST_FITTED
+    return fit(polygons, reading.openings, texts, scale.m_per_px, thickness, moves)
 
 
 def _scale(reading: SeenReading, page: _Page) -> Scale:

@@ -22,11 +22,11 @@ from chord_usd.line.plan.room_sizes import rectangles_in
 from chord_usd.line.plan.text import Text
 from chord_usd.line.plan.wall_openings import WallOpening
 
-_FITS = 0.06
+_FITS = 0.04
 """A size that is printed and one that was read are the same within this share."""
 _CHAIN_FITS = 0.03
 """So are a length of a chain and the distance between the walls at its ends."""
-_MISFIT = 0.1
+_MISFIT = 0.08
 """A printed size that is off by more than this share is a doubt."""
 _WALL = 1.6
 """Two faces are those of a wall if no farther apart than so many usual walls are thick."""
@@ -89,16 +89,19 @@ def fit(
     texts: Sequence[Text],
     m_per_px: float,
     thickness_px: float,
+    moves: bool = True,
 ) -> Fit:
     """The rooms and openings with walls where printed sizes put them, and sizes that do not fit.
 
-    polygons_px: (N, 2) each. m_per_px: as printed measures say it.
+    polygons_px: (N, 2) each. m_per_px: as printed measures say it. moves: whether so many say it
+    that walls follow them.
     """
     knots = [_knots(polygons_px, axis) for axis in (0, 1)]
     printed = _printed(polygons_px, texts)
     m_per_px = _refined(polygons_px, printed, m_per_px)
     spans, misfits = _spans_of_rooms(polygons_px, printed, m_per_px)
     spans += _spans_of_chains(texts, knots, m_per_px, len(printed))
+    spans = spans if moves else []
     maps = [
         _moved(knots[axis], [s for s in spans if s.axis == axis], thickness_px) for axis in (0, 1)
     ]
@@ -205,18 +208,26 @@ def _spans_of_rooms(
             if size.is_alone and abs(off) > _MISFIT + rounding:
                 misfits.append(_misfit(size, polygons_px, m_per_px))
             elif size.is_alone and rounding < abs(off) < _FITS:
-                spans += _spans(floor.bounds, (math.exp(off),) * 2, rounding, index)
+                spans += _spans(floor.bounds, (math.exp(off),) * 2, (rounding,) * 2, index)
             continue
         result = _rectangle(size, floor, m_per_px)
         if result is not None:
             bounds, pairs = result
             ratios = tuple(said / (span * m_per_px) for said, span in pairs)
-            spans += _spans(bounds, ratios, 0.0, index)
+            coarse = tuple(_half_step_m(said, size.text.text) / said for said, _ in pairs)
+            spans += _spans(bounds, ratios, coarse, index)
         elif size.is_alone:
             nearest = _nearest(size, floor, m_per_px)
             if nearest is not None and nearest[0] > _MISFIT and size.measure.is_sure:
                 misfits.append(_misfit(size, polygons_px, m_per_px))
     return spans, misfits
+
+
+def _half_step_m(length_m: float, text: str) -> float:
+    """How much a printed length may be off: of "3.1 m", where OCR may have lost a digit, 5 cm."""
+    printed = text.replace(",", ".")
+    is_coarse = f"{length_m:.1f}" in printed and f"{length_m:.2f}" not in printed
+    return 0.05 if is_coarse else 0.005
 
 
 def _step(text: str) -> float:
@@ -227,12 +238,12 @@ def _step(text: str) -> float:
 
 
 def _spans(
-    bounds: Sequence[float], ratios: Sequence[float], slack: float, source: int
+    bounds: Sequence[float], ratios: Sequence[float], slack: Sequence[float], source: int
 ) -> Iterator[_Span]:
     for axis in (0, 1):
         low, high = bounds[axis], bounds[axis + 2]
         length = (high - low) * ratios[axis]
-        sigma = _PRINTED_PX + (_PRINTED_SHARE + slack) * length
+        sigma = _PRINTED_PX + (_PRINTED_SHARE + slack[axis]) * length
         yield _Span(axis, low, high, length, sigma, source)
 
 
