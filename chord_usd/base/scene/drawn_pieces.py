@@ -40,6 +40,8 @@ _OFF_WALL = 4.0
 """A move off the wall behind a piece counts so many times as far as one along it."""
 _STEPS_M = _GRID_M[np.argsort(np.hypot(*(_GRID_M * (1.0, _OFF_WALL)).T), kind="stable")]
 _TOUCH_M2 = 1e-4
+_GAP_M = 0.01
+"""Between a piece and a casing."""
 
 
 @dataclass(frozen=True)
@@ -160,7 +162,7 @@ def place(
 def _trims(room: Room, openings: Sequence[Opening]) -> list[Polygon]:
     """Floor below the casings of a room's doors: lids and drawers beside them could not open."""
     return [
-        footprint_polygon(casing)
+        footprint_polygon(casing).buffer(_GAP_M)
         for opening in openings
         if room.id in opening.room_ids
         for casing in casings(opening, room)
