@@ -250,9 +250,17 @@ def test_a_named_kitchen_is_the_only_one(first):
     uses = uses_of_home([rows[at] for at in order], True)
     assert [use.kind for use in uses].count("kitchen") == 1
     assert not any("kitchen" in use.further for use in uses)
-    sink = floors(seen, [24.0, 6.0, 12.0], ["living", "kitchen", "unknown"],
-                  floor0={"drawn": {"kitchen": 4.0}})  # fmt: skip
-    assert not any("kitchen" in use.further for use in uses_of_home(sink, True))
+
+
+def test_a_sink_drawn_elsewhere_makes_no_second_kitchen():
+    """The bar beside "Cocina" became another one."""
+    seen = chances(bar={"kitchen": 0.6, "living": 0.3}, named={}, bed={"bedroom": 0.9})
+    kinds = ["unknown", "kitchen", "unknown"]
+    rows = floors(seen, [14.0, 6.0, 12.0], kinds, floor0={"drawn": {"kitchen": 4.0}})
+    uses = uses_of_home(rows, True)
+    assert ["kitchen" in use.all for use in uses] == [False, True, False]
+    alone = floors(seen, [14.0, 6.0, 12.0], ["unknown"] * 3, floor0={"drawn": {"kitchen": 4.0}})
+    assert "kitchen" in uses_of_home(alone, True)[0].all
 
 
 def test_a_kitchen_that_is_drawn_is_no_reason_for_a_bed():
