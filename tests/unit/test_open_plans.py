@@ -254,13 +254,14 @@ def test_a_named_kitchen_is_the_only_one(first):
 
 def test_a_sink_drawn_elsewhere_makes_no_second_kitchen():
     """The bar beside "Cocina" became another one."""
-    seen = chances(bar={"kitchen": 0.6, "living": 0.3}, named={}, bed={"bedroom": 0.9})
-    kinds = ["unknown", "kitchen", "unknown"]
-    rows = floors(seen, [14.0, 6.0, 12.0], kinds, floor0={"drawn": {"kitchen": 4.0}})
-    uses = uses_of_home(rows, True)
-    assert ["kitchen" in use.all for use in uses] == [False, True, False]
-    alone = floors(seen, [14.0, 6.0, 12.0], ["unknown"] * 3, floor0={"drawn": {"kitchen": 4.0}})
-    assert "kitchen" in uses_of_home(alone, True)[0].all
+    seen = chances(bar={"kitchen": 0.8, "living": 0.15}, named={}, bed={}, seat={})
+    told, areas = ["unknown", "kitchen", "bedroom", "living"], [9.0, 6.0, 12.0, 20.0]
+    rows = floors(seen, areas, told, floor0={"drawn": {"kitchen": 4.0}})
+    found = [use.all for use in uses_of_home(rows, True)]
+    assert ["kitchen" in uses for uses in found] == [False, True, False, False]
+    told[1] = "store"
+    rows = floors(seen, areas, told, floor0={"drawn": {"kitchen": 4.0}})
+    assert uses_of_home(rows, True)[0].kind == "kitchen"
 
 
 def test_a_kitchen_that_is_drawn_is_no_reason_for_a_bed():
