@@ -70,12 +70,12 @@ def laid_table(view: View, seats: int, table: int | None = None) -> Iterator[Cha
     rest = view.items if table is None else but(view, [table, *chairs])
     number = len(view.of("dining_table"))
     for spot in _free_spots(view, rest, list(_spots(view, seats))):
-        own = (
+        laid = (
             new_piece(view, "dining_table", spot.box, number)
             if table is None
             else replace(view.items[table], box=spot.box)
         )
-        yield (*rest, own, *round_table(spot.box, spot.counts, size, view.shell.room.id))
+        yield (*rest, laid, *round_table(spot.box, spot.counts, size, view.shell.room.id))
 
 
 def more_chairs(view: View, seats: int) -> Iterator[Change]:
@@ -162,6 +162,6 @@ def round_table(
             along = ((nth + 0.5) / count - 0.5) * edge
             place = ahead * (out / 2 + CHAIR_OUT_M) + across * along
             x, y = to_world(table, place)
-            own = Box((float(x), float(y), 0.0), size, wrap_deg(table.yaw_deg + turn))
-            yield Item(f"{room}/chair_{number}", "chair", own, room)
+            seat = Box((float(x), float(y), 0.0), size, wrap_deg(table.yaw_deg + turn))
+            yield Item(f"{room}/chair_{number}", "chair", seat, room)
             number += 1

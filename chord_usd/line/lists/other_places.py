@@ -60,8 +60,8 @@ def changes_of(view: View) -> list[Propose]:
     seats = partial(more_chairs, seats=max(2, seats_at(view)))
     wet: list[Propose] = [composed] if view.shell.kind in WET_KINDS else []
     chairs: list[Propose] = [seats] if view.of("dining_table") else []
-    own: list[Propose] = [*wet, *BY_KIND.get(view.shell.kind, ()), *chairs, moved]
-    return [*own, zoned] if view.shell.kind == "living" else own
+    changes: list[Propose] = [*wet, *BY_KIND.get(view.shell.kind, ()), *chairs, moved]
+    return [*changes, zoned] if view.shell.kind == "living" else changes
 
 
 def moved(view: View) -> Iterator[Change]:
@@ -147,7 +147,7 @@ def _grouped(view: View, moves: Sequence[int]) -> Iterator[Change]:
     """The group at each of its places, without some other pieces."""
     at = max(view.of("sofa"), key=lambda one: view.length[one], default=None)
     first = new_piece(view, "sofa", Box((0.0, 0.0, 0.0), _SOFA_M, 0.0))
-    own = first if at is None else view.items[at]
+    longest = first if at is None else view.items[at]
     singles, tables, screens = view.of(*SINGLES), view.of("coffee_table"), view.of("tv_cabinet")
     group = [*singles, *tables, *screens, *view.of("sofa_background")]
     rest = but(view, [*group, *moves, *([] if at is None else [at])])
@@ -156,9 +156,9 @@ def _grouped(view: View, moves: Sequence[int]) -> Iterator[Change]:
         for there, size in ((tables, _COFFEE_M), (singles, _ARMCHAIR_M), (screens, _TV_M))
     )
     chair = view.categories[singles[0]] if singles else "single_sofa"
-    places = (box for length in dict.fromkeys((float(own.box.size_m[0]), *_SOFAS_M))
-              for box in _sofa_places(view, (length, *own.box.size_m[1:]), stand))  # fmt: skip
-    for sofa in _standing(view, rest, (moved_to(own, box) for box in places)):
+    places = (box for length in dict.fromkeys((float(longest.box.size_m[0]), *_SOFAS_M))
+              for box in _sofa_places(view, (length, *longest.box.size_m[1:]), stand))  # fmt: skip
+    for sofa in _standing(view, rest, (moved_to(longest, box) for box in places)):
         box = sofa.box
         ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + coffee[1] / 2)
         table = new_piece(view, "coffee_table", _placed(box, (0.0, ahead), coffee, 0.0))

@@ -57,8 +57,8 @@ def put_back(
     for at, view in enumerate(work.home.rooms):
         if view.shell.room.id not in rooms:
             continue
-        own = listed.items_of(view.shell.room.id)
-        work.change(at, (placed_again(item) for item in lost(view.items, own)), gain=0.0)
+        wanted = listed.items_of(view.shell.room.id)
+        work.change(at, (placed_again(item) for item in lost(view.items, wanted)), gain=0.0)
         if view.shell.room.id in decided:
             continue
         for _ in range(_ROUNDS):
@@ -84,8 +84,8 @@ class _Work:
         """Whether any of these changes to a room was worth it."""
         view, home = self.home.rooms[at], self.home
 
-        def cost(own: View) -> float:
-            return home_price(replace(home, rooms=(*home.rooms[:at], own, *home.rooms[at + 1 :])))
+        def cost(room: View) -> float:
+            return home_price(replace(home, rooms=(*home.rooms[:at], room, *home.rooms[at + 1 :])))
 
         if at not in self._permits:
             standing = {room.shell.room.id: room.items for room in home.rooms}
@@ -104,7 +104,7 @@ class _Work:
             room = view.shell.room
             if room.id in rooms and not view.items and is_to_furnish(room):
                 pieces = first_pieces(self._graph, room.id)
-                self.change(at, [lambda _, own=pieces: ((one,) for one in own)], gain=-_EMPTY)
+                self.change(at, [lambda _, some=pieces: ((piece,) for piece in some)], gain=-_EMPTY)
 
     def repair(self, rooms: Collection[str], known: Collection[str]) -> None:
         """Give the home what it lacks, in these rooms. known: rules that no room could keep."""
@@ -121,13 +121,13 @@ class _Work:
         """The pieces of each room, by its id."""
         graph = self._graph
         clear = ClearFloors(list(clearances(graph.rooms, graph.openings)))
-        found = {}
+        pieces = {}
         for was, now in zip(self._before.rooms, self.home.rooms, strict=True):
             room = now.shell.room
-            found[room.id] = was.items if was is now else tuple(
+            pieces[room.id] = was.items if was is now else tuple(
                 _anew(room, was.items, now.items, clear)
             )  # fmt: skip
-        return found
+        return pieces
 
 
 def _finished(

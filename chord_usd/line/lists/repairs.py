@@ -65,8 +65,8 @@ def _of_kinds(home: HomeView, kinds: Sequence[RoomKind]) -> list[int]:
 
 def _lived_in(home: HomeView) -> list[int]:
     """The largest bedroom of a home that lives where it sleeps."""
-    own = _of_kinds(home, ("bedroom",))
-    return [at for at in own if home.rooms[at].shell.is_lived_in]
+    bedrooms = _of_kinds(home, ("bedroom",))
+    return [at for at in bedrooms if home.rooms[at].shell.is_lived_in]
 
 
 def _laundry(home: HomeView) -> Iterator[Repair]:
@@ -86,7 +86,7 @@ def _table(home: HomeView) -> Iterator[Repair]:
 
 def _diners(home: HomeView) -> Iterator[Repair]:
     """Rooms that have a table first."""
-    for at in sorted(_eaten_in(home), key=lambda one: not home.rooms[one].of("dining_table")):
+    for at in sorted(_eaten_in(home), key=lambda at: not home.rooms[at].of("dining_table")):
         yield at, _tables(home, at)
 
 
@@ -99,9 +99,9 @@ def _tables(home: HomeView, at: int) -> Iterator[Propose]:
     """More chairs at the table of a room, a longer table, and a first or second one; as many seats
     as the home lacks, or else fewer."""
     room = home.rooms[at]
-    own, tables = seats_at(room), room.of("dining_table")
-    missing = min(max(2, home.sleepers), MOST_DINERS) - sum(seats_at(one) for one in home.rooms)
-    for seats in range(min(own + missing, MOST_DINERS), max(1, own), -1):
+    there, tables = seats_at(room), room.of("dining_table")
+    missing = min(max(2, home.sleepers), MOST_DINERS) - sum(map(seats_at, home.rooms))
+    for seats in range(min(there + missing, MOST_DINERS), max(1, there), -1):
         if tables:
             yield partial(more_chairs, seats=seats)
             yield partial(laid_table, seats=seats, table=tables[0])
@@ -152,7 +152,7 @@ def _by_door(view: View, door: FloatArray) -> Iterator[Change]:
             away = float(np.hypot(*(np.array(box.center_m[:2]) - door)))
             if away < NEAR_DOOR_M:
                 places.append((away, len(places), box))
-    for _, _, box in sorted(places, key=lambda one: one[:2]):
+    for _, _, box in sorted(places, key=lambda place: place[:2]):
         yield (*view.items, new_piece(view, "shoe_cabinet", box, len(view.of("shoe_cabinet"))))
 
 
