@@ -83,6 +83,12 @@ def test_size_names_doors_and_the_needs_of_the_home_decide(plan: Plan, kinds: li
     assert [room.kind for room in found.rooms if learned_kind(room.kind) == "bathroom"] == kinds
 
 
+def test_a_name_that_says_no_more_than_the_class_follows_the_kind() -> None:
+    plan = home(BED, wet(5.0, "Bathroom 1"), wet(1.3, "Bathroom 2"), wet(1.4, "Bad der Kinder"))
+    names = [room.name for room in with_wet_kinds(plan).rooms[2:]]
+    assert names == ["Bathroom 1", "WC 1", "Bad der Kinder"]
+
+
 def test_what_is_drawn_decides() -> None:
     plan = home(BED, wet(3.0), wet(3.0), wet(3.0))
     drawn = {"r1": "washing_basin", "r2": "bathtub", "r3": "toilet"}

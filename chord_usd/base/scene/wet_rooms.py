@@ -7,6 +7,7 @@ drawn in it, the doors between wet rooms and the needs of the home decide, all i
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
@@ -42,6 +43,9 @@ _MORE_BATHS, _MORE_WCS, _MORE_WASHROOMS = 1.0, 0.7, 3.0
 """Nats of the first of a kind that a home does not need; of the second twice as many."""
 _SLEPT_IN = 2
 """Bedrooms that share a bath."""
+_TITLES: Mapping[RoomKind, str] = {"bathroom": "Bathroom", "washroom": "Washroom", "wc": "WC"}
+_NUMBERED = re.compile(r"(bathroom|wc)\s*\d*", re.IGNORECASE)
+"""A name that says no more than the class."""
 _MOST = 6
 """Rooms that are weighed together; of more, each by itself."""
 
@@ -67,7 +71,13 @@ def with_wet_kinds(plan: Plan, decided: Collection[str] = ()) -> Plan:
     bedrooms = sum(room.kind == "bedroom" for room in plan.rooms)
     chosen = _chosen([nats[room_id] for room_id in open_ids], known, bedrooms)
     kinds = dict(zip(open_ids, chosen, strict=True))
-    rooms = (replace(room, kind=kinds.get(room.id, room.kind)) for room in plan.rooms)
+    rooms: list[Room] = []
+    for room in plan.rooms:
+        kind = kinds.get(room.id, room.kind)
+        number = 1 + sum(one.kind == kind for one in rooms)
+        is_new = kind != room.kind and _NUMBERED.fullmatch(room.name)
+        name = f"{_TITLES[kind]} {number}" if is_new else room.name
+        rooms.append(replace(room, kind=kind, name=name))
     return replace(plan, rooms=tuple(rooms))
 
 
