@@ -108,6 +108,10 @@ def write_inputs(folder: Path) -> None:
     trimesh.creation.box((0.5, 0.9, 0.5)).export(folder / "models" / "chair.obj")
     row = {"file": "chair.obj", "category": "chair", "licence": "CC0-1.0", "author": "Jo"}
     (folder / "models" / "manifest.json").write_text(json.dumps([row]))
+    (folder / "my_houses").mkdir()
+    for number in range(40):  # so that each split has some
+        house = ROOT / "tests" / "fixtures" / "furnished_house.json"
+        shutil.copyfile(house, folder / "my_houses" / f"house_{number}.json")
     flats = [json.dumps({"id": f"flat/{n}", "lines": flat_lines()}) for n in range(40)]
     (folder / "flats.jsonl").write_text("\n".join(flats) + "\n")
     with gzip.open(folder / "rooms.jsonl.gz", "wt") as file:
