@@ -52,6 +52,15 @@ def test_a_back_is_put_on_the_wall_that_it_faces() -> None:
         assert far[axis] == pytest.approx(wall)
 
 
+@pytest.mark.parametrize(("name", "turn"), [("toilet", 0.0), ("single_sofa", 38.0)])
+def test_plumbing_is_never_oblique_and_armchairs_may_be(name: str, turn: float) -> None:
+    (one,) = placed_pieces(
+        plan("bathroom" if turn == 0 else "living", piece(name, 2.0, 1.5, (0.4, 0.65), 38.0))
+    )
+    assert one.item is not None
+    assert one.item.box.yaw_deg % 90.0 == pytest.approx(turn)
+
+
 def test_a_piece_beside_a_door_keeps_off_its_casing() -> None:
     """Its lid would not open."""
     drawn = piece("toilet", 2.72, 0.33, (0.4, 0.65), 180.0)

@@ -18,7 +18,7 @@ from shapely.geometry import Point, Polygon
 
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon, to_world
 from chord_usd.base.scene.oriented_rect import EDGES, Edge, Footprint
-from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.palette import CATEGORIES, having
 from chord_usd.base.scene.trim import casings
 from chord_usd.base.scene.types import Box, FloatArray, Item, Opening, Plan, Room
 from chord_usd.base.scene.units import cm_from_m, fold_deg, m_from_cm, rotation_2d
@@ -31,8 +31,8 @@ KITCHEN = ("sink_cabinet", "cooker_cabinet", "refrigerator")
 """Of a kitchen: the units are composed around where these are drawn."""
 _BACK_M, _SIDE_M = 0.3, 0.15
 """A back that is drawn so near to a wall is on it; a side."""
-_SQUARE_DEG = 30.0
-"""A piece that is askew by less is square to its room."""
+_SQUARE_DEG, _WALLED_DEG = 30.0, 45.0
+"""A piece that is askew by less is square to its room; plumbing and cabinets always are."""
 _STEP_M = 0.025
 """A piece is moved in such steps, by up to a quarter of a metre along each axis, to stand clear."""
 _GRID_M = np.stack(np.meshgrid(*[np.arange(-10, 11) * _STEP_M] * 2), axis=-1).reshape(-1, 2)
@@ -141,7 +141,7 @@ def place(
             continue
         category, reason = named(item, room_id)
         own = replace(item, category=category)
-        box = _on_walls(usual_box(category, item.box), plan.room(room_id))
+        box = _on_walls(category, usual_box(category, item.box), plan.room(room_id))
         if not reason and category not in KITCHEN:
             kept_free = [area for area, opening in clear if blocks(replace(own, box=box), opening)]
             kept_free += trims[room_id]
@@ -199,13 +199,14 @@ def _standing(category: str, box: Box, room: Room, floor: _Floor) -> tuple[Box, 
     row = CATEGORIES[category]
     least = (min(row.length_m[0], box.size_m[0]), min(row.width_m[0], box.size_m[1]))
     # What is drawn over a wall is smaller than it was seen.
-    tried = (*_steps(box), *_steps(_on_walls(_against_back(box, least), room)))
+    tried = (*_steps(box), *_steps(_on_walls(category, _against_back(box, least), room)))
     return next(((one, "") for one in tried if not floor.refuses(one)), (box, reason))
 
 
-def _on_walls(box: Box, room: Room) -> Box:
+def _on_walls(category: str, box: Box, room: Room) -> Box:
     """The box square to the room, with its back and sides on walls near them."""
-    footprint = _square(Footprint.of(box), room.polygon_m)
+    within_deg = _WALLED_DEG if category in having("walled") else _SQUARE_DEG
+    footprint = _square(Footprint.of(box), room.polygon_m, within_deg)
     back: Edge = ("v1", "u0", "v0", "u1")[footprint.quarter_turns % 4]
     for axis in (0, 1):
         places = {
@@ -224,13 +225,13 @@ def _on_walls(box: Box, room: Room) -> Box:
     return footprint.on(box)
 
 
-def _square(footprint: Footprint, polygon_m: FloatArray) -> Footprint:
-    """Turned to the longest side of a room that it is nearly parallel to."""
+def _square(footprint: Footprint, polygon_m: FloatArray, within_deg: float) -> Footprint:
+    """Turned to the longest side of a room that it is parallel to but for so much."""
     sides = np.roll(polygon_m, -1, axis=0) - polygon_m
     for side in np.argsort(-np.hypot(*sides.T)):
         along_deg = float(np.degrees(np.arctan2(*sides[side][::-1])))
         turn = fold_deg(footprint.rect.angle_deg - along_deg)
-        if abs(turn) <= _SQUARE_DEG:
+        if abs(turn) <= within_deg:
             return footprint.turned(-turn)
     return footprint
 
