@@ -143,9 +143,9 @@ def _drawn(plan: Plan, rooms: Sequence[Room]) -> dict[str, set[str]]:
     found: dict[str, set[str]] = {room.id: set() for room in rooms}
     floors = [(room.id, room_polygon(room)) for room in rooms]
     for one in noted if isinstance(noted, list | tuple) else ():
-        place = [one.get(axis) for axis in "xy"] if isinstance(one, Mapping) else []
-        if len(place) == 2 and all(isinstance(value, int | float) for value in place):
-            seen.append((str(one.get("category")), (float(place[0]), float(place[1]))))
+        x, y = (one.get(axis) for axis in "xy") if isinstance(one, Mapping) else (None, None)
+        if isinstance(x, int | float) and isinstance(y, int | float):
+            seen.append((str(one.get("category")), (float(x), float(y))))
     for category, at in seen:
         for room_id, floor in floors:
             if floor.intersects(shapely.Point(at)):
