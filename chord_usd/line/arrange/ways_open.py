@@ -21,6 +21,9 @@ _SIDEWAYS_M = 0.1
 _LEAST_CUT_M2 = 0.3
 """A smaller part of the floor is left to the piece that cuts it off."""
 
+_FARTHER_M2 = 0.05
+"""Where the middle of a walker gets to: in a narrow passage that is little floor."""
+
 _AT_M = 2 * _SIDEWAYS_M
 """From where one passes sideways to a piece that bounds it."""
 
@@ -48,7 +51,7 @@ def _rooms_opened(work: Arrangement, faults: Faults) -> SceneGraph:
                 option = graph.without([item.id])
                 way = walk(option)
                 # Of pieces one after another each shuts the rest: the first of them leads farther.
-                farther = way.reached.area > there + _LEAST_CUT_M2
+                farther = way.reached.area > there + _FARTHER_M2
                 if len(way.shut) < len(shut) or farther:
                     tries.append((len(way.shut), faults(option), item.id, option))
         if not tries:
