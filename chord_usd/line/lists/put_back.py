@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import count
 
 import numpy as np
@@ -20,7 +20,7 @@ from chord_usd.base.places.free_boxes import first_pieces
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
-from chord_usd.line.lists.changes import Propose, placed_again
+from chord_usd.line.lists.changes import Change, Propose, placed_again
 from chord_usd.line.lists.improve import LEAST_GAIN, improved
 from chord_usd.line.lists.other_places import changes_of
 from chord_usd.line.lists.repairs import lacking, repairs
@@ -104,7 +104,7 @@ class _Work:
             room = view.shell.room
             if room.id in rooms and not view.items and is_to_furnish(room):
                 pieces = first_pieces(self._graph, room.id)
-                self.change(at, [lambda _, some=pieces: ((piece,) for piece in some)], gain=-_EMPTY)
+                self.change(at, [partial(_alone, pieces)], gain=-_EMPTY)
 
     def repair(self, rooms: Collection[str], known: Collection[str]) -> None:
         """Give the home what it lacks, in these rooms. known: rules that no room could keep."""
@@ -224,3 +224,8 @@ class _Permits:
 
     def __call__(self, view: View) -> bool:
         return self._faults(view.items) <= self._most
+
+
+def _alone(pieces: Iterator[Item], _: View) -> Iterator[Change]:
+    """Each of these pieces as all that a room holds."""
+    return ((piece,) for piece in pieces)

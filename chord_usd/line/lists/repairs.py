@@ -24,7 +24,7 @@ from chord_usd.base.metrics.design.home_rules import (
 )
 from chord_usd.base.metrics.design.view import HomeView, View
 from chord_usd.base.metrics.rooms import stands_in
-from chord_usd.base.scene.types import FloatArray, RoomKind
+from chord_usd.base.scene.types import Box, FloatArray, RoomKind
 from chord_usd.line.lists.changes import WARDROBE_M, Change, Propose, Size, at_walls, new_piece
 from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
 from chord_usd.line.lists.home_programme import WASHED_IN, suits_dining
@@ -146,7 +146,7 @@ def _shoes(home: HomeView) -> Iterator[Repair]:
 
 def _by_door(view: View, door: FloatArray) -> Iterator[Change]:
     """A shoe cabinet at a wall by the front door, the nearest places first."""
-    places = []
+    places: list[tuple[float, int, Box]] = []
     for size in _SHOES_M:
         for box in at_walls(view, size):
             away = float(np.hypot(*(np.array(box.center_m[:2]) - door)))

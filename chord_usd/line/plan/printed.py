@@ -98,11 +98,11 @@ def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Est
         sizes = sum(measure.kind == "size" for measure in kept)
         for measure in kept:
             if measure.kind == "size":
-                text, sides = said[measure].text, measure.values
-                at = said[measure].center_px
+                label, sides = said[measure], measure.values
+                at = label.center_px
                 scales = scales_by_sides(rooms[index], sides, at, sizes)
                 for scale in scales:
-                    yield Estimate(_NAMES["size"], scale, text, choices=len(scales))
+                    yield Estimate(_NAMES["size"], scale, label.text, choices=len(scales))
         # An open plan may name the area of each of its parts.
         areas = [measure for measure in kept if measure.kind == "area"]
         if areas:

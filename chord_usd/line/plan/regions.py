@@ -248,7 +248,7 @@ def _without_teeth(mask: BoolArray, size_px: int) -> BoolArray:
     square = np.ones((size_px, size_px), np.uint8)
     padded = np.pad(mask.astype(np.uint8), size_px)
     for way in (cv2.MORPH_CLOSE, cv2.MORPH_OPEN):
-        padded = cv2.morphologyEx(padded, way, square)
+        padded = np.asarray(cv2.morphologyEx(padded, way, square), np.uint8)
     return padded[size_px:-size_px, size_px:-size_px] > 0
 
 

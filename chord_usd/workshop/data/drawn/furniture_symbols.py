@@ -133,7 +133,8 @@ def table(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     if kind < 2:
         body = oval(0, 0, length / 2, depth / 2)
     elif kind == 2:
-        body = soft(*body.bounds, rng.uniform(0.05, 0.3) * depth)
+        left, low, right, high = body.bounds
+        body = soft(left, low, right, high, rng.uniform(0.05, 0.3) * depth)
     shapes: Shapes = [body]
     more = int(rng.integers(6))
     if more == 0:
@@ -238,7 +239,8 @@ def washer(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     """A drum, a letter, a cross, a panel."""
     body: Polygon = rectangle(length, depth)
     if rng.random() < 0.2:
-        body = soft(*body.bounds, 0.06)
+        left, low, right, high = body.bounds
+        body = soft(left, low, right, high, 0.06)
     radius = min(length, depth) * rng.uniform(0.25, 0.42)
     drum = oval(0, rng.uniform(-0.1, 0.1) * depth, radius, radius)
     one, other = diagonals(length, depth)

@@ -60,7 +60,8 @@ def rectangle(length: float, depth: float) -> Polygon:
 def inset(body: Polygon, by: float, radius: float = 0.0) -> Polygon:
     """A body made smaller all round, its corners round or not."""
     inner = body.buffer(-by, join_style="mitre")
-    return soft(*inner.bounds, radius) if radius else inner
+    left, low, right, high = inner.bounds
+    return soft(left, low, right, high, radius) if radius else inner
 
 
 def diagonals(length: float, depth: float) -> tuple[LineString, LineString]:
