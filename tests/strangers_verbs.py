@@ -35,6 +35,7 @@ INPUTS: dict[str, tuple[str, ...]] = {
     "serve": (),
     "batch": ("plan.png",),
     "farm bundle": ("house.usda",),
+    "check": ("house.usda",),
     "describe": ("house.usda",),
     "regenerate": ("house.usda", "--room", "Bedroom_0"),
     "edit": ("house.usda", "no rug in bedroom 1"),

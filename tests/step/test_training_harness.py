@@ -218,7 +218,9 @@ class TestKeptSet:
             read_kept(target)
 
     @pytest.mark.parametrize(
-        "content", [b"", b"no gzip", gzip.compress(b"{}"), gzip.compress(b"\xff\xfe")]
+        "content",
+        [b"", b"no gzip", gzip.compress(b"{}"), gzip.compress(b"\xff\xfe")],
+        ids=["empty", "no gzip", "no header", "no text"],  # gzip notes the time
     )
     def test_another_file_is_refused(self, content: bytes, tmp_path: Path, capsys) -> None:
         target = tmp_path / "kept.jsonl.gz"
