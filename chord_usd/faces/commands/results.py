@@ -86,6 +86,16 @@ class Doubt(TypedDict):
     at: list[list[float]]
 
 
+class DrawnPiece(TypedDict):
+    """A piece that a drawing shows; box: middle, length and depth (metres), and turn (degrees)."""
+
+    category: str
+    box: list[float]
+    confidence: float
+    kept: bool
+    reason: NotRequired[str]
+
+
 class Generated(TypedDict):
     """generate."""
 
@@ -99,6 +109,7 @@ class Generated(TypedDict):
     openings: int
     redrawn: list[str]
     left_out: list[str]
+    drawn: list[DrawnPiece]
     edits: list[Edit]
     seconds: Seconds
     m_per_px: float
@@ -279,6 +290,7 @@ class PlanRead(TypedDict):
     doubts: list[Doubt]
     scale: dict[str, Any] | str | None
     confidence: dict[str, float]
+    drawn: list[DrawnPiece]
     warnings: list[str]
     drawing: NotRequired[Frame]
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from chord_usd.base.metrics.complete import ESSENTIALS, FEWER_BELOW_M2, lacking
 from chord_usd.base.metrics.design.bathroom_rules import BASINS, WET, faces_door
-from chord_usd.base.metrics.design.price import beyond_walls
+from chord_usd.base.metrics.design.price import beyond_walls, conflicts
 from chord_usd.base.metrics.design.shell import TOUCH_M, Rects
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.places.wall_frames import Size, WallFrame
@@ -29,7 +29,8 @@ LAUNDRY = having("laundry")
 FIXTURES = ("toilet", *WET, *BASINS, *LAUNDRY)
 _SIZES: Mapping[str, tuple[tuple[float, float], ...]] = {
     "toilet": (), "washbasin": ((0.5, 0.36), (0.6, 0.45), (0.45, 0.3)), "washing_set": (),
-    "shower": ((0.9, 0.9), (0.8, 0.8), (1.2, 0.8)), "bathtub": ((1.7, 0.75), (1.5, 0.7)),
+    "shower": ((0.9, 0.9), (0.8, 0.8), (1.2, 0.8)),
+    "bathtub": ((1.7, 0.75), (1.5, 0.7), (1.4, 0.7)),
     "washing_machine": ((0.6, 0.6),),
 }  # fmt: skip
 """Length and depth that a fixture is tried in beside those it has."""
@@ -81,8 +82,9 @@ def composed(view: View) -> Iterator[Change]:
 
 
 def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
-    """What the room holds with what it lacks; without; with a shower in a bathroom that has nothing
-    to wash in; in a small WC, the toilet alone."""
+    """What the room holds with what it lacks; without; with a bath for a shower before an opening,
+    or the other way round; with a shower in a bathroom that has nothing to wash in; in a small WC,
+    the toilet alone."""
     kind, area_m2 = view.shell.kind, view.shell.area_m2
     missing = lacking(kind, area_m2, view.categories)
     by_name = {one.name: one.categories for one in ESSENTIALS.get(kind, ())}
@@ -91,6 +93,13 @@ def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
         more = [new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0)) for name in new]
         yield _sorted([*own, *more])
     yield _sorted(own)
+    for at in np.flatnonzero(conflicts(view)[:, 1] > TOUCH_M):
+        # A bath may stand before a window that a shower would cover, a shower beside a door.
+        item = view.items[at]
+        if item in own and item.category in WET:
+            name = next(name for name in WET if name != item.category)
+            other = new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0))
+            yield _sorted([other, *(one for one in own if one is not item)])
     if kind == "bathroom" and not {*WET} & {*view.categories}:
         # What a home has a bathroom for: rather than a basin, where there is no room for both.
         place = Box((0.0, 0.0, 0.0), _NEW_M["shower"], 0.0)
