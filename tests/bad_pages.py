@@ -154,7 +154,7 @@ NO_PLANS = {
 
 def cut_in_half(plan: Plan) -> np.ndarray:
     page = draw_symbols(plan)
-    columns = np.flatnonzero((page < 128).all(axis=(0, 2)))
+    columns = np.flatnonzero((page < 128).all(axis=2).any(axis=0))
     return page[:, : (columns.min() + columns.max()) // 2]
 
 

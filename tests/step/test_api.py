@@ -85,7 +85,9 @@ def test_a_stage_is_seen_with_its_things_where_they_stand(
     """By a notebook and by describe: what is on a table is drawn within it."""
     shown: list[SceneGraph] = []
     drawn = preview.preview_rgb
-    monkeypatch.setattr(preview, "preview_rgb", lambda graph: shown.append(graph) or drawn(graph))
+    monkeypatch.setattr(
+        preview, "preview_rgb", lambda graph, *_: shown.append(graph) or drawn(graph)
+    )
     png = tmp_path / "above.png"
     assert main(["describe", str(staged_house), "--preview", str(png), "--progress", "none"]) == 0
     own = chord_usd.open(staged_house)._repr_png_()
