@@ -37,6 +37,11 @@ USED_SIDES = {row.name: row.used_from for row in CATEGORIES.values() if row.used
 PASSED_BEFORE_SEATS = having("low_table")
 """One sits down past these."""
 
+OPENING = having("sideboard") | having("laundry") | having("kitchen_unit")
+"""Categories with doors, drawers or flaps..."""
+SWING_M = 0.5
+"""...that swing over so much floor before their front."""
+
 STRIP_M = (0.05, 0.25)
 """From a front: the strip that SceneEval looks at."""
 OPEN_SHARE = 0.5

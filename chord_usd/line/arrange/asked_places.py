@@ -14,6 +14,7 @@ import shapely
 from chord_usd.base.metrics.clear_floor import BEFORE_WINDOWS, clearances, sides_of
 from chord_usd.base.metrics.complete import TABLES, WALLED
 from chord_usd.base.metrics.footprints import is_underfoot
+from chord_usd.base.metrics.fronts import FRONT, OPENING, SWING_M, floor_before
 from chord_usd.base.places.room_space import take_clearances, take_walls
 from chord_usd.base.places.taken_space import Reason, TakenSpace
 from chord_usd.base.places.tries import beside, over_floor, placed
@@ -41,6 +42,7 @@ NEAR_M = {"by": 1.0, "before": 1.2, "between": 2.0, "above": 0.5, "under": 0.01}
 _HUNG_M = 0.001
 _LEAST_SIDE_M = 0.3
 _CHAIR_M = 0.02
+_TOUCH_M2 = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +102,18 @@ class Floor:
                     *(("pane",) if mount in BEFORE_WINDOWS else ())}  # fmt: skip
         hit = self._taken.hit(item.box, ignoring)
         return self._named(*hit) if hit else ""
+
+    @cached_property
+    def _swings(self) -> shapely.Geometry:
+        """Floor over which doors, drawers and flaps of furniture swing."""
+        opening = (one.box for one in self.things if one.category in OPENING)
+        floors = [footprint_polygon(floor_before(box, FRONT, 0.0, SWING_M)) for box in opening]
+        return shapely.union_all(floors)
+
+    def stops_leaves(self, item: Item) -> bool:
+        """Whether a thing on the floor stands where furniture opens."""
+        shape = footprint_polygon(item.box)
+        return not is_underfoot(item) and shape.intersection(self._swings).area > _TOUCH_M2
 
     def _named(self, reason: Reason, owner: str) -> str:
         if reason == "open":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import islice
+from itertools import chain, islice
 
 from chord_usd.base.errors import ChordError
 from chord_usd.base.metrics.complete import TABLES, homely_rooms
@@ -18,7 +18,7 @@ from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.arrange.asked_places import NEAR_M, Floor
 from chord_usd.line.graph.match import Database
 
-TRIED = 12
+TRIED = 48
 """Of the best places, so many are asked whether rooms can still be reached."""
 
 
@@ -137,7 +137,7 @@ def _crowd_m(floor: Floor, item: Item) -> float:
 
 def best_place(work: Work, floor: Floor, item: Item, score: Score) -> Item | None:
     """The item in the best free place that shuts nobody in; rather in one where nothing stands
-    wrongly that did not before."""
+    wrongly that did not before, and where nothing swings."""
     scored: list[tuple[tuple[float, ...], int, Item]] = []
     for at, box in enumerate(floor.places(item)):
         placed = replace(item, box=box)
@@ -145,12 +145,13 @@ def best_place(work: Work, floor: Floor, item: Item, score: Score) -> Item | Non
         if own is not None:
             scored.append((own, at, placed))
     scored.sort(key=lambda one: one[:2])
+    scored.sort(key=lambda one: floor.stops_leaves(one[2]))
     free = list(islice((one for _, _, one in scored if not floor.in_the_way(one)), TRIED))
     if not free or category(item.category).mount is not Mount.FLOOR:
         return free[0] if free else None
     known = _flaws(work.graph)
-    right = [placed for placed in free if _flaws(_with(work.graph, placed)) <= known]
-    return next((placed for placed in (*right, *free) if not shuts_in(work, placed)), None)
+    right = (placed for placed in free if _flaws(_with(work.graph, placed)) <= known)
+    return next((placed for placed in chain(right, free) if not shuts_in(work, placed)), None)
 
 
 def _with(graph: SceneGraph, placed: Item) -> SceneGraph:

@@ -9,8 +9,8 @@ import numpy as np
 from chord_usd.base.metrics.design.price import beyond_walls, quick_price, tight
 from chord_usd.base.metrics.design.shell import TOUCH_M, Rects
 from chord_usd.base.metrics.design.view import View
+from chord_usd.base.metrics.fronts import OPENING, SWING_M
 from chord_usd.base.metrics.overlap import overlaps_by_nature
-from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import BoolArray, Item
 from chord_usd.line.lists.changes import Change, Propose
 
@@ -19,9 +19,6 @@ _WEIGHED = 24
 """Changes of one kind that are weighed by all rules, evenly of those that clash with nothing."""
 _LOOKED_AT = 4
 """Of the changes of one kind, so many of the best are looked at exactly."""
-SWING_M = 0.5
-"""Before what opens: as wide as most leaves are."""
-_OPENING = having("sideboard") | having("laundry") | having("kitchen_unit")
 
 
 def improved(
@@ -62,7 +59,7 @@ def _stand_before(view: View, others: View) -> BoolArray:
 
 
 def _opens(view: View) -> BoolArray:
-    return np.array([name in _OPENING for name in view.categories], np.bool_)
+    return np.array([name in OPENING for name in view.categories], np.bool_)
 
 
 def _fronts(view: View) -> Rects:
