@@ -73,7 +73,14 @@ def composed(view: View) -> Iterator[Change]:
     """The room with its fixtures placed together, the cheapest rooms first."""
     own = [item for item in view.items if item.category in FIXTURES and not item.facts.locked]
     rest = tuple(item for item in view.items if item not in own)
-    programmes = [one for one in _wanted(view, own) if 0 < len(one) <= _MOST_FIXTURES]
+    kept = list(_rooms(view, rest, list(_wanted(view, own))))
+    yield from kept
+    if not any(_stands_free(view, room) for room in kept):
+        yield from _rooms(view, rest, list(_exchanged(view, own)))
+
+
+def _rooms(view: View, rest: Change, programmes: Sequence[list[Item]]) -> Iterator[Change]:
+    programmes = [one for one in programmes if 0 < len(one) <= _MOST_FIXTURES]
     for wanted in programmes:
         places = [_places(view, rest, item) for item in wanted]
         if all(len(one.items) for one in places):
@@ -81,10 +88,13 @@ def composed(view: View) -> Iterator[Change]:
                 yield (*rest, *(one.items[at] for one, at in zip(places, chosen, strict=True)))
 
 
+def _stands_free(view: View, room: Change) -> bool:
+    return bool((conflicts(View(view.shell, room)) <= TOUCH_M).all())
+
+
 def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
-    """What the room holds with what it lacks; without; with a bath for a shower before an opening,
-    or the other way round; with a shower in a bathroom that has nothing to wash in; in a small WC,
-    the toilet alone."""
+    """What the room holds with what it lacks; without; with a shower in a bathroom that has nothing
+    to wash in; in a small WC, the toilet alone."""
     kind, area_m2 = view.shell.kind, view.shell.area_m2
     missing = lacking(kind, area_m2, view.categories)
     by_name = {one.name: one.categories for one in ESSENTIALS.get(kind, ())}
@@ -93,13 +103,6 @@ def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
         more = [new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0)) for name in new]
         yield _sorted([*own, *more])
     yield _sorted(own)
-    for at in np.flatnonzero(conflicts(view)[:, 1] > TOUCH_M):
-        # A bath may stand before a window that a shower would cover, a shower beside a door.
-        item = view.items[at]
-        if item in own and item.category in WET:
-            name = next(name for name in WET if name != item.category)
-            other = new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0))
-            yield _sorted([other, *(one for one in own if one is not item)])
     if kind == "bathroom" and not {*WET} & {*view.categories}:
         # What a home has a bathroom for: rather than a basin, where there is no room for both.
         place = Box((0.0, 0.0, 0.0), _NEW_M["shower"], 0.0)
@@ -108,6 +111,17 @@ def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
         yield _sorted([shower, *(item for item in own if item.category not in BASINS)])
     if kind == "wc" and area_m2 < FEWER_BELOW_M2["wc"][0][0] and len(own) > 1:
         yield [item for item in own if item.category == "toilet"][:1]
+
+
+def _exchanged(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
+    """A bath for a shower before an opening, or the other way round."""
+    for at in np.flatnonzero(conflicts(view)[:, 1] > TOUCH_M):
+        # A bath may stand before a window that a shower would cover, a shower beside a door.
+        item = view.items[at]
+        if item in own and item.category in WET:
+            name = next(name for name in WET if name != item.category)
+            other = new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0))
+            yield _sorted([other, *(one for one in own if one is not item)])
 
 
 def _sorted(items: Sequence[Item]) -> list[Item]:
