@@ -75,6 +75,12 @@ def test_a_narrow_wc_has_its_toilet_in_the_middle_and_no_basin() -> None:
     assert made.items[0].box.center_m[0] == pytest.approx(0.42, abs=0.03)
 
 
+def test_a_bath_replaces_a_shower_that_can_stand_only_before_a_window() -> None:
+    made = planned(view_of("bathroom", (1.7, 1.9), "toilet", "washbasin", "shower", window=True))
+    assert sorted(made.categories) == ["bathtub", "toilet", "washbasin"]
+    assert tight(made) == 0
+
+
 def test_a_room_that_holds_nothing_that_fits_stays_as_it_is() -> None:
     view = view_of("bathroom", (0.7, 0.9), "toilet")
     assert planned(view) is view
