@@ -16,16 +16,21 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from results import write_section
+
+from chord_usd.base.runtime import resident
 
 ROOT = Path(__file__).parents[1]
 IMPORTS = (
     "onnxruntime, chord_usd.line.plan.read, chord_usd.line.layout.sample, chord_usd.line.graph."
     "extract, chord_usd.library.database, chord_usd.line.stage.author.author_stage"
 )
+LOADED_S = 15.0
+"""In which a worker has loaded everything."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--steps", type=int)
     options = parser.parse_args()
+    os.environ[resident.VARIABLE] = "0"
     imports = [_process(sys.executable, "-c", f"import {IMPORTS}") for _ in range(options.runs + 1)]
     generates = [_generate(options.plan, options.steps) for _ in range(options.runs + 1)]
     told = [json.loads(run.output) for run in generates[1:]]
@@ -54,6 +60,9 @@ def main() -> None:
         ("processor time", f"{_median([run.processor_s for run in generates[1:]]):.2f} s"),
         ("of which imports", f"{_median([run.wall_s for run in imports[1:]]):.2f} s"),
     ]
+    if sys.platform == "linux":
+        through = [run.wall_s for run in _through_workers(options)]
+        rows.append(("through a worker that waits", f"{_median(through):.2f} s"))
     rows += [
         (f"step {step}", f"{_median([run['seconds'][step] for run in told]):.2f} s")
         for step in told[0]["seconds"]
@@ -70,6 +79,17 @@ def _generate(plan: Path, steps: int | None) -> Run:
         words = ["generate", str(plan), "-o", f"{folder}/house.usda", "--json"]
         words += ["--steps", str(steps)] if steps else []
         return _process(sys.executable, "-m", "chord_usd.cli", *words)
+
+
+def _through_workers(options: argparse.Namespace) -> Iterator[Run]:
+    """Runs that each find a worker which has loaded everything; the first only starts one."""
+    os.environ[resident.VARIABLE] = "1"
+    for number in range(options.runs + 1):
+        run = _generate(options.plan, options.steps)
+        time.sleep(LOADED_S)
+        if number:
+            yield run
+    os.environ[resident.VARIABLE] = "0"
 
 
 def _process(*words: str) -> Run:

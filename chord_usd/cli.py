@@ -23,7 +23,7 @@ from chord_usd.base.runtime import interrupts
 
 if TYPE_CHECKING:
     from chord_usd.faces.commands.common import Outcome, Parser
-from chord_usd.base.runtime import console
+from chord_usd.base.runtime import console, resident
 from chord_usd.base.runtime.extras import missing_extra
 from chord_usd.base.runtime.locations import keep_caches, untrained_in_use, working_folder
 from chord_usd.base.runtime.offline import stay_offline
@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         interrupts.watch()
     try:
-        return _answer(words)
+        return _answer(words) if arguments is not None else _by_worker_or_here(words)
     except KeyboardInterrupt as caught:
         reason = interrupts.came() or interrupts.Interrupted
         sys.stderr.write(interrupts.told(reason, str(caught)))
@@ -80,6 +80,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     finally:
         if arguments is None:
             interrupts.ignore()
+
+
+def _by_worker_or_here(words: Sequence[str]) -> int:
+    environment = {**os.environ}
+    code = resident.run(words)
+    if code is None:
+        code = _answer(words)
+    resident.start_next(words, code, environment)
+    return code
 
 
 def _answer(words: Sequence[str]) -> int:

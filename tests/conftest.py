@@ -15,6 +15,7 @@ import jsonschema
 import pytest
 from hypothesis import settings
 
+from chord_usd.base.runtime import resident
 from chord_usd.faces.commands.results import RESULTS, schema_of
 from tests.core_packages import core_environment
 
@@ -25,6 +26,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # Whoever runs the tests in the background of a script makes them, and all that they start, deaf
     # to the interrupts that some of them are about.
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# A process that outlives its test would serve the next one; test_worker.py starts its workers.
+os.environ[resident.VARIABLE] = "0"
 
 RunCli = Callable[..., "subprocess.CompletedProcess[str]"]
 

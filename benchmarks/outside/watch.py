@@ -20,6 +20,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from chord_usd.base.runtime import resident
 from chord_usd.base.runtime.hashes import hash_file
 
 CODES = (0, 1, 2)
@@ -72,7 +73,8 @@ def whole(words: Sequence[str], cwd: Path, env: Mapping[str, str]) -> Run:
     """Run a command line in a process of its own, whose memory at the start is next to nothing."""
     start = time.monotonic()
     with subprocess.Popen(
-        [sys.executable, "-m", "chord_usd.cli", *words], cwd=cwd, env=dict(env),
+        [sys.executable, "-m", "chord_usd.cli", *words],
+        cwd=cwd, env={**env, resident.VARIABLE: "0"},
         stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
         start_new_session=True,
     ) as process:  # fmt: skip

@@ -40,12 +40,12 @@ def main() -> int:
 
 def _lines() -> Iterator[list[str]]:
     """The command lines as they come. While none waits, something is loaded for those to come."""
-    left = [_import_reading, _import_furnishing, _load_models, _import_authoring]
+    left = list(PARTS)
     text = b""
     while True:
         while b"\n" not in text:
             if left and not select.select([0], [], [], 0)[0]:
-                _load(left.pop(0))
+                load(left.pop(0))
                 continue
             more = os.read(0, 65536)
             if not more:
@@ -55,7 +55,7 @@ def _lines() -> Iterator[list[str]]:
         yield json.loads(line)["words"]
 
 
-def _load(part: Callable[[], None]) -> None:
+def load(part: Callable[[], None]) -> None:
     """What cannot be loaded is told by the verb that needs it."""
     try:
         with console.reserved():
@@ -88,6 +88,10 @@ def _import_authoring() -> None:
     import chord_usd.line.stage.author.author_stage
     import chord_usd.line.stage.check.check_stage
     import chord_usd.line.stage.export.gltf  # noqa: F401
+
+
+PARTS = (_import_reading, _import_furnishing, _load_models, _import_authoring)
+"""What verbs that furnish need, in the order in which they need it."""
 
 
 if __name__ == "__main__":

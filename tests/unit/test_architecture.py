@@ -29,7 +29,7 @@ WINGS: dict[str, tuple[str, ...]] = {
         *("stage", "image", "pipeline"),
     ),
     "workshop": ("data", "training", "evaluation"),
-    "faces": ("commands", "page", "batch", "farm", "standby", "cli", "api"),
+    "faces": ("commands", "page", "batch", "farm", "standby", "worker", "cli", "api"),
 }
 """Folders of the package and their parts. `cli` and `api` are doors, and lie at the root."""
 
@@ -86,6 +86,7 @@ ALLOWED: dict[str, set[str]] = {
     "cli": {"commands"},
     "__main__": {"cli"},
     "standby": {"cli", "pipeline", *STEPS},
+    "worker": {"cli", "standby"},
     "api": {"commands", "pipeline", *STEPS},
     "__init__": {"api"},
 }

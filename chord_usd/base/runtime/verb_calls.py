@@ -20,6 +20,7 @@ from anyio.abc import ByteReceiveStream, Process
 from anyio.streams.text import TextReceiveStream
 
 from chord_usd.base.errors import ChordError
+from chord_usd.base.runtime import resident
 from chord_usd.base.runtime.locations import ROOT_VARIABLE
 
 END_S = 10.0
@@ -67,7 +68,7 @@ async def run_verb(words: Sequence[str], root: Path, told: Told) -> Answer:
         command,
         stdin=subprocess.DEVNULL,
         cwd=root,
-        env={**os.environ, ROOT_VARIABLE: str(root)},
+        env={**os.environ, ROOT_VARIABLE: str(root), resident.VARIABLE: "0"},
     )
     assert process.stdout is not None
     assert process.stderr is not None

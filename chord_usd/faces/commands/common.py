@@ -12,6 +12,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from chord_usd.base.runtime import resident
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES, refuse_odd_file
 from chord_usd.base.runtime.progress import PROGRESS_STYLES, Stopwatch, make_reporter
 from chord_usd.faces.commands.paths import (
@@ -141,6 +142,12 @@ def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) ->
         "-q", "--quiet", action="store_true", help="print errors only, no progress and no summary"
     )
     common.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    if parser.prog.split()[1] in resident.VERBS:
+        common.add_argument(
+            resident.OPTION,
+            action="store_true",
+            help="use no process that waits with the program loaded, and start none",
+        )
     return parser
 
 
