@@ -95,6 +95,7 @@ def start_next(words: Sequence[str], code: int, environment: Mapping[str, str]) 
     import subprocess
 
     with contextlib.suppress(OSError):
+        address()
         subprocess.Popen(
             [sys.executable, "-P", "-m", "chord_usd.faces.worker"],
             stdin=subprocess.DEVNULL,
