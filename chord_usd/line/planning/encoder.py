@@ -24,7 +24,7 @@ ENCODER_FOLDER = "text_encoder"
 """In a checkpoint: the text model that its network was trained with, where that is not ours."""
 
 MINILM_CHECKPOINT = "text_encoder"
-"""all-MiniLM-L6-v2 (Apache-2.0) in eight bits (workshop/training/text_graph.py)."""
+"""all-MiniLM-L6-v2 (Apache-2.0) in eight bits."""
 
 TOKENIZER_FILE = "tokenizer.json"
 
