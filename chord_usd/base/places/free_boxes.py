@@ -9,7 +9,7 @@ import numpy as np
 
 from chord_usd.base.metrics.complete import ESSENTIALS
 from chord_usd.base.metrics.design.price import beyond_walls
-from chord_usd.base.metrics.design.shell import TOUCH_M, Rects, Shell, shells
+from chord_usd.base.metrics.design.shell import APART_M, TOUCH_M, Rects, Shell, shells
 from chord_usd.base.metrics.walk import ways_shut
 from chord_usd.base.places.wall_frames import WallFrame
 from chord_usd.base.scene.palette import CATEGORIES
@@ -30,7 +30,7 @@ def free_boxes(shell: Shell, rest: Sequence[Item], boxes: Sequence[Box]) -> list
     wrong = beyond_walls(fresh.corners, shell) > TOUCH_M
     if rest:
         there = Rects.of_boxes([item.box for item in rest])
-        wrong |= (fresh.depths(there) > TOUCH_M).any(axis=1)
+        wrong |= (fresh.depths(there) > APART_M).any(axis=1)
     high = np.array([box.center_m[2] + box.size_m[2] for box in boxes])
     blocks = fresh.depths(shell.clear) > TOUCH_M
     wrong |= (blocks & (high[:, None] > shell.clear_from_m + TOUCH_M)).any(axis=1)

@@ -3,7 +3,7 @@ an end of the table at a wall."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.view import View
+from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.places.free_boxes import free_boxes
 from chord_usd.base.places.wall_frames import WallFrame
 from chord_usd.base.scene.geometry import front_direction, to_world
@@ -31,6 +32,13 @@ _GRID_M = 0.4
 _STEP_M = 0.4
 """Between places along a wall."""
 
+_LOOSE = ("table", "chair", "leisure_sofa", "lounge", "side_coffee_table", "dining_cabinet")
+"""Where no dining table is: what stands there while the home has none."""
+_COMPOSED = 8
+"""Tables around which a kitchen is composed."""
+
+Compose = Callable[[View, Sequence[Item]], Sequence[Item]]
+"""Kitchen units for a room, beside pieces that stay."""
 Counts = tuple[int, int, int, int]
 """How many chairs stand before the front, the back, and the ends of a table."""
 
@@ -78,6 +86,13 @@ def laid_table(view: View, seats: int, table: int | None = None) -> Iterator[Cha
         yield (*rest, laid, *round_table(spot.box, spot.counts, size, view.shell.room.id))
 
 
+def laid_instead(view: View, seats: int) -> Iterator[Change]:
+    """A table in place of what a room can do without: a desk, loose seats, side tables."""
+    loose = [at for at in view.of(*_LOOSE) if not view.items[at].facts.locked]
+    if loose:
+        yield from laid_table(View(view.shell, but(view, loose), view.hung), seats)
+
+
 def more_chairs(view: View, seats: int) -> Iterator[Change]:
     """So many chairs or more, spread evenly along the sides of the table where it stands."""
     for table in view.of("dining_table")[:1]:
@@ -92,6 +107,26 @@ def more_chairs(view: View, seats: int) -> Iterator[Change]:
                 if sum(counts) >= seats:
                     yield (*rest, replace(item, box=top),
                            *round_table(top, counts, size, view.shell.room.id))  # fmt: skip
+
+
+def eat_in(view: View, seats: int, compose: Compose) -> Iterator[Change]:
+    """A kitchen composed around a table for so many."""
+    units = [at for at, name in enumerate(view.categories) if name in KITCHEN_UNITS]
+    rest = but(view, units)
+    laid = list(laid_table(View(view.shell, rest, view.hung), seats))
+    for items in laid[:: 1 + len(laid) // _COMPOSED]:
+        stays = [_pulled_out(item) if item.category == "chair" else item for item in items]
+        composed = compose(view, stays)
+        if composed:
+            yield (*items, *composed)
+
+
+def _pulled_out(chair: Item) -> Item:
+    """A chair of round_table, with the floor that it is pulled out over."""
+    length, _, height = chair.box.size_m
+    x, y = to_world(chair.box, (0.0, PULL_OUT_M / 2 - CHAIR_OUT_M))
+    box = Box((float(x), float(y), 0.0), (length, PULL_OUT_M, height), chair.box.yaw_deg)
+    return replace(chair, box=box)
 
 
 def _sized(box: Box, length: float | None, turn: float) -> Box:

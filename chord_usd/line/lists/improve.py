@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from chord_usd.base.metrics.design.price import beyond_walls, quick_price, tight
-from chord_usd.base.metrics.design.shell import TOUCH_M, Rects
+from chord_usd.base.metrics.design.shell import APART_M, TOUCH_M, Rects
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.fronts import OPENING, SWING_M
 from chord_usd.base.metrics.overlap import overlaps_by_nature
@@ -96,7 +96,7 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
     fresh = View(view.shell, tuple(new))
     beside = stays[change_of]
     shut = _stand_before(fresh, view) | _stand_before(view, fresh).T
-    deep = (fresh.rects.depths(view.rects) > TOUCH_M) & beside
+    deep = (fresh.rects.depths(view.rects) > APART_M) & beside
     for one, at in np.argwhere(deep):
         deep[one, at] = not overlaps_by_nature(new[one], view.items[at])
     blocks = fresh.rects.depths(view.shell.clear) > TOUCH_M
@@ -105,7 +105,7 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
     together = np.zeros(len(new), np.bool_)
     for step in range(1, int(np.bincount(number).max())):
         first = np.flatnonzero(number[:-step] == number[step:])
-        into = fresh.rects.of(first).depths_each(fresh.rects.of(first + step)) > TOUCH_M
+        into = fresh.rects.of(first).depths_each(fresh.rects.of(first + step)) > APART_M
         for one in first[into].tolist():
             together[one] |= not overlaps_by_nature(new[one], new[one + step])
         for a, b in ((first, first + step), (first + step, first)):

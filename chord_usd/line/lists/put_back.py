@@ -21,6 +21,7 @@ from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
 from chord_usd.line.lists.changes import Change, Propose, placed_again
+from chord_usd.line.lists.dining_changes import Compose
 from chord_usd.line.lists.improve import LEAST_GAIN, improved
 from chord_usd.line.lists.other_places import changes_of
 from chord_usd.line.lists.repairs import lacking, repairs
@@ -44,6 +45,7 @@ def put_back(
     finish: Callable[[SceneGraph], SceneGraph],
     *,
     is_searched: bool = False,
+    compose: Compose | None = None,
 ) -> SceneGraph:
     """The finished house with lost pieces in their rooms.
 
@@ -51,6 +53,7 @@ def put_back(
     somebody else says what they hold: nothing but lost pieces is added. finish: leaves out what
     must not stand; a room that it takes pieces from stays as it was unless it costs less.
     is_searched: whether the lists went through here: what they lack is not looked for again.
+    compose: makes a kitchen's units beside pieces that stay.
     """
     work = _Work(graph)
     before = view_home(listed) if is_searched else None
@@ -68,7 +71,7 @@ def put_back(
             if not work.change(at, changes_of(now)):
                 break
     work.furnish_empty(set(rooms) - set(decided))
-    work.repair(set(rooms) - set(decided), lacking(before) if before else ())
+    work.repair(set(rooms) - set(decided), lacking(before) if before else (), compose)
     return _finished(graph, work.made(), finish)
 
 
@@ -106,12 +109,14 @@ class _Work:
                 pieces = first_pieces(self._graph, room.id)
                 self.change(at, [partial(_alone, pieces)], gain=-_EMPTY)
 
-    def repair(self, rooms: Collection[str], known: Collection[str]) -> None:
+    def repair(
+        self, rooms: Collection[str], known: Collection[str], compose: Compose | None
+    ) -> None:
         """Give the home what it lacks, in these rooms. known: rules that no room could keep."""
         for rule in lacking(self.home):
             if rule in known:
                 continue
-            for at, changes in repairs(self.home, rule):
+            for at, changes in repairs(self.home, rule, compose):
                 if self.home.rooms[at].shell.room.id in rooms:
                     any(self.change(at, [propose]) for propose in changes)
                 if rule not in lacking(self.home):

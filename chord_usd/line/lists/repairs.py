@@ -26,7 +26,14 @@ from chord_usd.base.metrics.design.view import HomeView, View
 from chord_usd.base.metrics.rooms import stands_in
 from chord_usd.base.scene.types import Box, FloatArray, RoomKind
 from chord_usd.line.lists.changes import WARDROBE_M, Change, Propose, Size, at_walls, new_piece
-from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
+from chord_usd.line.lists.dining_changes import (
+    Compose,
+    eat_in,
+    laid_instead,
+    laid_table,
+    more_chairs,
+    seats_at,
+)
 from chord_usd.line.lists.home_programme import WASHED_IN, suits_dining
 from chord_usd.line.lists.other_places import sofa_groups, zoned
 from chord_usd.line.lists.pieces import TALL_M
@@ -41,19 +48,24 @@ _SPARE_M = 0.04
 """More wardrobe than is needed: painting takes a centimetre."""
 _STORED_IN: tuple[RoomKind, ...] = ("bedroom", "corridor", "store", "study", "living")
 
+
 Repair = tuple[int, Iterator[Propose]]
 """Number of a room in its home, and what may be changed there, one after another."""
 
 
-def repairs(home: HomeView, rule: str) -> Iterator[Repair]:
-    """Rooms that can give their home what a rule of it lacks, the most fitting first."""
-    yield from _BY_RULE[rule](home)
+def repairs(home: HomeView, rule: str, compose: Compose | None = None) -> Iterator[Repair]:
+    """Rooms that can give their home what a rule of it lacks, the most fitting first.
+
+    compose: makes kitchens anew around a table.
+    """
+    by_rule = _BY_RULE.get(rule)
+    yield from by_rule(home) if by_rule else _EATEN[rule](home, compose)
 
 
 def lacking(home: HomeView) -> list[str]:
     """Names of the rules that a home breaks and that pieces may mend, in order."""
     broken = {finding.rule for finding in judged_home(home).findings}
-    return [rule for rule in _BY_RULE if rule in broken]
+    return [rule for rule in (NO_HOME_WITHOUT, *_EATEN, *_BY_RULE) if rule in broken]
 
 
 def _of_kinds(home: HomeView, kinds: Sequence[RoomKind]) -> list[int]:
@@ -79,15 +91,15 @@ def _storage(home: HomeView) -> Iterator[Repair]:
         yield at, iter([partial(_added, category="cabinet", sizes=_SHELVES_M)])
 
 
-def _table(home: HomeView) -> Iterator[Repair]:
+def _table(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
     for at in _eaten_in(home):
-        yield at, _tables(home, at)
+        yield at, _tables(home, at, compose)
 
 
-def _diners(home: HomeView) -> Iterator[Repair]:
+def _diners(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
     """Rooms that have a table first."""
     for at in sorted(_eaten_in(home), key=lambda at: not home.rooms[at].of("dining_table")):
-        yield at, _tables(home, at)
+        yield at, _tables(home, at, compose)
 
 
 def _eaten_in(home: HomeView) -> list[int]:
@@ -95,9 +107,10 @@ def _eaten_in(home: HomeView) -> list[int]:
     return sorted(rooms, key=lambda at: suits_dining(home.rooms[at].shell))
 
 
-def _tables(home: HomeView, at: int) -> Iterator[Propose]:
-    """More chairs at the table of a room, a longer table, and a first or second one; as many seats
-    as the home lacks, or else fewer."""
+def _tables(home: HomeView, at: int, compose: Compose | None) -> Iterator[Propose]:
+    """More chairs at the table of a room, a longer table, and a first or second one, in place of
+    what a room can do without, or with a kitchen composed around it; as many seats as the home
+    lacks, or else fewer."""
     room = home.rooms[at]
     there, tables = seats_at(room), room.of("dining_table")
     missing = min(max(2, home.sleepers), MOST_DINERS) - sum(map(seats_at, home.rooms))
@@ -107,6 +120,9 @@ def _tables(home: HomeView, at: int) -> Iterator[Propose]:
             yield partial(laid_table, seats=seats, table=tables[0])
         else:
             yield partial(laid_table, seats=seats)
+            yield partial(laid_instead, seats=seats)
+            if compose and room.shell.kind == "kitchen" and not home.of("dining_table"):
+                yield partial(eat_in, seats=seats, compose=compose)
 
 
 def _television(home: HomeView) -> Iterator[Repair]:
@@ -179,7 +195,10 @@ def _another(view: View, category: str, size: Size) -> Iterator[Change]:
         yield (*view.items, new_piece(view, category, box, len(view.of(category))))
 
 
+_EATEN: Mapping[str, Callable[[HomeView, Compose | None], Iterator[Repair]]] = {
+    TABLE: _table, DINERS: _diners,
+}  # fmt: skip
 _BY_RULE: Mapping[str, Callable[[HomeView], Iterator[Repair]]] = {
-    NO_HOME_WITHOUT: _needed, TABLE: _table, DINERS: _diners, TELEVISION: _television,
+    NO_HOME_WITHOUT: _needed, TELEVISION: _television,
     WARDROBES: _wardrobes, SHOES: _shoes, LAUNDRY: _laundry, STORAGE: _storage,
 }  # fmt: skip

@@ -16,6 +16,7 @@ from chord_usd.base.scene.types import (
 from chord_usd.line.pipeline.as_drawn import with_locked
 
 if TYPE_CHECKING:
+    from chord_usd.base.metrics.design.view import View
     from chord_usd.line.compose.kitchens import Kitchens
     from chord_usd.line.lists.list_sampler import ListDrawer
     from chord_usd.line.lists.wishes import Asked, Piece
@@ -98,7 +99,12 @@ class Draw:
             new = {item.id for item in house.items if item.room_id in asked.keys() - decided}
             return arrange_drawn(house, self, new) if new else house
 
-        return put_back(finish(drawn), listed, asked, decided, finish)
+        def compose(view: View, stays: Sequence[Item]) -> Sequence[Item]:
+            room = view.shell.room
+            own = replace(asked[room.id], kept=tuple(stays))
+            return self._kitchens(listed, [room], {room.id: own}).get(room.id, ())
+
+        return put_back(finish(drawn), listed, asked, decided, finish, compose=compose)
 
     def _kitchens(
         self, house: SceneGraph, rooms: Sequence[Room], asked: Mapping[str, Asked]

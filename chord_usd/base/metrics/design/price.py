@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from contextvars import ContextVar
 from types import MappingProxyType
@@ -15,10 +16,10 @@ import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
 from chord_usd.base.metrics.design.rule import Rule, judge
-from chord_usd.base.metrics.design.shell import TOUCH_M, Shell, inside
+from chord_usd.base.metrics.design.shell import CELL_M, TOUCH_M, Shell, inside
 from chord_usd.base.metrics.design.view import HomeView, View, distances, view_home
 from chord_usd.base.metrics.overlap import overlaps_by_nature
-from chord_usd.base.scene.types import FloatArray, SceneGraph
+from chord_usd.base.scene.types import ByteArray, FloatArray, SceneGraph
 
 FAULT = 4.0
 """Of violations.room_faults, beside a share of rules: it counts per piece."""
@@ -34,8 +35,9 @@ CLAUSES: ContextVar[Mapping[str, tuple[Rule[View], ...]]] = ContextVar("clauses"
 _TIGHT = 0.04
 """A piece in another, in a wall or before an opening; faults weigh how far."""
 
-_CELL_M, _MARGIN_M = 0.05, 0.3
-"""Of the raster in which floor hangs together where 20 cm are free."""
+_SIDEWAYS = np.ones((5, 5), np.uint8)
+_WALKER = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (7, 7))
+"""Gaps of 20 and of 40 cm on the raster of a shell; cells at edges count as taken."""
 _PART_M2 = 0.1
 """Smaller parts of it, without the 10 cm at their edges, are no floor that is missed."""
 
@@ -62,26 +64,33 @@ def home_price(home: HomeView) -> float:
 
 
 def tight(view: View) -> int:
-    """How many pieces stand in others, in walls or before openings, and how many parts of the floor
-    pieces cut off: an estimate that is fast enough for every draft."""
+    """How many pieces stand in others, in walls or before openings, how many parts of the floor
+    pieces cut off, and how many ways: an estimate that is fast enough for every draft."""
     return int((conflicts(view) > TOUCH_M).any(axis=1).sum()) + cut_off(view)
 
 
 def cut_off(view: View) -> int:
     """How many parts of the floor one gets to over no gap that is passed sideways, beyond the
-    largest."""
-    low = view.shell.room.polygon_m.min(axis=0) - _MARGIN_M
-    size = np.ptp(view.shell.room.polygon_m, axis=0) + 2 * _MARGIN_M
-    width, height = np.ceil(size / _CELL_M).astype(int).tolist()
-    floor = np.zeros((height, width), np.uint8)
-    outlines = [view.shell.room.polygon_m, *view.corners[view.stands]]
-    for value, outline in zip((1, *[0] * len(outlines)), outlines, strict=False):
-        cells = np.rint((outline - low) / _CELL_M).astype(np.int32)
-        cv2.fillPoly(floor, [cells], (value,))
-    eroded = cv2.erode(floor, np.ones((5, 5), np.uint8))
+    largest, and how many doors and passages one does not walk to from most others."""
+    ground = view.shell.ground
+    floor = ground.floor.copy()
+    for outline in view.corners[view.stands]:
+        cv2.fillPoly(floor, [ground.cells(outline)], (0,))
+    eroded = cv2.erode(floor, _SIDEWAYS)
     count, _, stats, _ = cv2.connectedComponentsWithStats(eroded, connectivity=4)
-    areas_m2 = stats[1:count, cv2.CC_STAT_AREA] * _CELL_M**2
-    return max(0, int((areas_m2 > _PART_M2).sum()) - 1)
+    areas_m2 = stats[1:count, cv2.CC_STAT_AREA] * CELL_M**2
+    return max(0, int((areas_m2 > _PART_M2).sum()) - 1) + _ways_parted(view.shell, floor)
+
+
+def _ways_parted(shell: Shell, floor: ByteArray) -> int:
+    """Ways of a room beyond those that hang together on a raster of its floor."""
+    if len(shell.ground.ways) < 2:
+        return 0
+    _, labels = cv2.connectedComponents(cv2.erode(floor, _WALKER), connectivity=4)
+    met = [set(np.unique(labels[rows, columns]).tolist()) - {0}
+           for rows, columns in shell.ground.ways]  # fmt: skip
+    most = Counter(part for parts in met for part in parts).most_common(1)
+    return len(met) - (most[0][1] if most else 0)
 
 
 def conflicts(view: View) -> FloatArray:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -21,6 +22,7 @@ from chord_usd.base.scene.geometry import room_polygon, room_sides
 from chord_usd.base.scene.types import (
     BoolArray,
     Box,
+    ByteArray,
     FloatArray,
     Opening,
     OpeningKind,
@@ -30,6 +32,12 @@ from chord_usd.base.scene.types import (
 
 TOUCH_M = 0.01
 """A piece that reaches so little into a strip leaves it free."""
+APART_M = 0.001
+"""New pieces reach no deeper into others: more is an overlap (metrics.overlap)."""
+CELL_M, _MARGIN_M = 0.05, 0.3
+"""Of rasters of a room's floor."""
+_BEHIND_M = 0.3
+"""A walker who stands so near to a way has passed it."""
 _REACH_M = 0.1
 """An open border or passage is in a wall no farther from it."""
 
@@ -141,6 +149,39 @@ class Hole:
 
 
 @dataclass(frozen=True, eq=False)
+class Ground:
+    """The floor of a room as a raster."""
+
+    low: FloatArray
+    """(2,) where its first cell is."""
+    floor: ByteArray
+    """(H, W) 1 in the room."""
+    ways: tuple[tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]], ...]
+    """Rows and columns of the cells behind each way into the room."""
+
+    @classmethod
+    def of(cls, polygon_m: FloatArray, ways: Sequence[Hole]) -> Ground:
+        """Of a room with these ways."""
+        low = polygon_m.min(axis=0) - _MARGIN_M
+        width, height = np.ceil((np.ptp(polygon_m, axis=0) + 2 * _MARGIN_M) / CELL_M).astype(int)
+        ground = cls(low, np.zeros((height, width), np.uint8), ())
+        cv2.fillPoly(ground.floor, [ground.cells(polygon_m)], (1,))
+        behind = []
+        for hole in ways:
+            strip = np.zeros_like(ground.floor)
+            near = hole.inward * hole.depth_m / 2
+            far = hole.inward * (hole.depth_m / 2 + _BEHIND_M)
+            ends = np.concatenate([hole.ends + near, hole.ends[::-1] + far])
+            cv2.fillPoly(strip, [ground.cells(ends)], (1,))
+            behind.append(np.nonzero(strip))
+        return cls(low, ground.floor, tuple(behind))
+
+    def cells(self, points_m: FloatArray) -> npt.NDArray[np.int32]:
+        """(N, 2) columns and rows of points."""
+        return np.rint((points_m - self.low) / CELL_M).astype(np.int32)
+
+
+@dataclass(frozen=True, eq=False)
 class Shell:
     """A room without its pieces, and what rules ask about the house around it."""
 
@@ -157,6 +198,8 @@ class Shell:
     """Whether it is a living room, or the largest bedroom of a home without any."""
     joins_kitchen: bool
     """Whether an opening or an open border joins it to a kitchen, or it is one."""
+    borders: tuple[Hole, ...] = ()
+    """Open borders, by which one goes into rooms beside it."""
 
     @property
     def kind(self) -> RoomKind:
@@ -171,6 +214,11 @@ class Shell:
         arrays = ([getattr(floor, name) for floor in floors] for name in
                   ("at", "right", "front", "half"))  # fmt: skip
         return Rects(*(np.concatenate(own) if own else empty for own in arrays))
+
+    @cached_property
+    def ground(self) -> Ground:
+        """Its floor as a raster."""
+        return Ground.of(self.room.polygon_m, [*self.ways, *self.borders])
 
     @cached_property
     def clear_from_m(self) -> FloatArray:
@@ -225,6 +273,7 @@ def shells(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> dict[str, 
             room.id in largest,
             room.kind == lived_in and (room.kind == "living" or room.id in largest),
             room.kind == "kitchen" or "kitchen" in joined[room.id],
+            tuple(_hole(border, room) for border in borders[room.id]),
         )
         for room in rooms
     }  # fmt: skip
