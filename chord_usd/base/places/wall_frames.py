@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -44,7 +45,7 @@ class WallFrame:
         along = (end - start) / max(length, 1e-6)
         return cls(start, along, np.array([-along[1], along[0]]), length)
 
-    @property
+    @cached_property
     def yaw_deg(self) -> float:
         """Of a piece with its back on the wall."""
         return round(wrap_deg(float(np.degrees(np.arctan2(self.inward[0], -self.inward[1])))), 6)

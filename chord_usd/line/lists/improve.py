@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from chord_usd.base.metrics.design.price import beyond_walls, quick_price, tight
+from chord_usd.base.metrics.design.price import TIGHT, beyond_walls, quick_price, tight
 from chord_usd.base.metrics.design.shell import APART_M, TOUCH_M, Rects
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.fronts import OPENING, SWING_M
@@ -42,7 +42,10 @@ def improved(
             tried = View(view.shell, items, view.hung)
             faults = tight(tried)
             if faults <= most:
-                cost = quick_price(tried, faults) + home(tried)
+                others = home(tried)
+                if TIGHT * faults + others > price - gain:  # however few rules it breaks
+                    continue
+                cost = quick_price(tried, faults) + others
                 if cost <= price - gain:
                     better.append((round(cost, 9), nth, faults, tried))
         for cost, _, faults, tried in sorted(better, key=lambda one: one[:2])[:_LOOKED_AT]:

@@ -32,7 +32,7 @@ STANDARD = 2.0
 _NONE: Mapping[str, tuple[Rule[View], ...]] = MappingProxyType({})
 CLAUSES: ContextVar[Mapping[str, tuple[Rule[View], ...]]] = ContextVar("clauses", default=_NONE)
 """Clauses that rooms are planned to, by kind of room (standard.planning_to)."""
-_TIGHT = 0.04
+TIGHT = 0.04
 """A piece in another, in a wall or before an opening; faults weigh how far."""
 
 _SIDEWAYS = np.ones((5, 5), np.uint8)
@@ -126,7 +126,7 @@ def quick_price(view: View, faults: int | None = None) -> float:
 
     faults: of tight, where it is known.
     """
-    return broken_share(view) + _TIGHT * (tight(view) if faults is None else faults)
+    return broken_share(view) + TIGHT * (tight(view) if faults is None else faults)
 
 
 def room_prices(graph: SceneGraph, faults: Mapping[str, float]) -> dict[str, float]:

@@ -43,6 +43,8 @@ class View:
     hung: tuple[Box, ...] | None = None
     """Televisions on walls; None where nobody has hung any yet."""
     _near: dict[int, FloatArray] = field(default_factory=dict)
+    _measured: dict[tuple[object, ...], float] = field(default_factory=dict)
+    """Free depths: several rules ask for the same."""
 
     def __post_init__(self) -> None:
         """Arrays of what rules measure."""
@@ -116,37 +118,54 @@ class View:
         start: float,
         but: Iterable[int],
     ) -> float:
-        count = len(self.items)
+        but = tuple(but)
+        key = (at, *ahead.tolist(), band, start, but)
+        if key not in self._measured:
+            self._measured[key] = self._depth(at, ahead, across, band, start, but)
+        return self._measured[key]
+
+    def _depth(
+        self,
+        at: int,
+        ahead: FloatArray,
+        across: FloatArray,
+        band: tuple[float, float],
+        start: float,
+        but: tuple[int, ...],
+    ) -> float:
+        count = 4 * len(self.items)
         own = self._segments - self.at[at]
         forward, lateral = own @ ahead, own @ across
-        low = np.full(len(own), band[0] + WALL_TOUCH_M)
-        high = np.full(len(own), band[1] - WALL_TOUCH_M)
-        low[: 4 * count] += 0.005 - WALL_TOUCH_M
-        high[: 4 * count] -= 0.005 - WALL_TOUCH_M
-        first, run = lateral[:, 0], lateral[:, 1] - lateral[:, 0]
+        low, high = self._between(band)
+        first, rise = lateral[:, 0], forward[:, 1] - forward[:, 0]
+        run = lateral[:, 1] - first
         flat = np.abs(run) < 1e-9
         safe = np.where(flat, 1.0, run)
-        ends = np.stack([(low - first) / safe, (high - first) / safe])
-        enter = np.clip(ends.min(axis=0), 0.0, 1.0)
-        leave = np.clip(ends.max(axis=0), 0.0, 1.0)
+        one, other = (low - first) / safe, (high - first) / safe
+        enter = np.maximum(np.minimum(one, other), 0.0)
+        leave = np.minimum(np.maximum(one, other), 1.0)
         crosses = np.where(flat, (first > low) & (first < high), enter < leave)
         enter, leave = np.where(flat, 0.0, enter), np.where(flat, 1.0, leave)
-        rise = forward[:, 1] - forward[:, 0]
-        reach = np.stack([forward[:, 0] + rise * enter, forward[:, 0] + rise * leave])
-        near = np.where(crosses, reach.min(axis=0), np.inf)
-        far = np.where(crosses, reach.max(axis=0), -np.inf)
+        one, other = forward[:, 0] + rise * enter, forward[:, 0] + rise * leave
+        near = np.where(crosses, np.minimum(one, other), np.inf)
+        far = np.where(crosses, np.maximum(one, other), -np.inf)
         least = MOST_M
-        piece_near = near[: 4 * count].reshape(-1, 4).min(axis=1)
-        piece_far = far[: 4 * count].reshape(-1, 4).max(axis=1)
-        counts = self.stands & (piece_far > start + TOUCH_M)
+        counts = self.stands & (far[:count].reshape(-1, 4).max(axis=1) > start + TOUCH_M)
         counts[[at, *but]] = False
         if counts.any():
-            least = min(least, float(piece_near[counts].min()) - start)
-        wall_near, wall_far = near[4 * count :], far[4 * count :]
-        solid = wall_far > start - WALL_TOUCH_M  # flush with a wall is no floor at all
+            least = min(least, float(near[:count].reshape(-1, 4)[counts].min()) - start)
+        solid = far[count:] > start - WALL_TOUCH_M  # flush with a wall is no floor at all
         if solid.any():
-            least = min(least, float(wall_near[solid].min()) - start + WALL_TOUCH_M)
+            least = min(least, float(near[count:][solid].min()) - start + WALL_TOUCH_M)
         return max(0.0, least)
+
+    def _between(self, band: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+        """(S,) both ends of a band, less what pieces and walls may reach into it."""
+        low = np.full(len(self._segments), band[0] + WALL_TOUCH_M)
+        high = np.full(len(self._segments), band[1] - WALL_TOUCH_M)
+        low[: 4 * len(self.items)] += 0.005 - WALL_TOUCH_M
+        high[: 4 * len(self.items)] -= 0.005 - WALL_TOUCH_M
+        return low, high
 
     def gaps(self, at: int) -> FloatArray:
         """(N,) distance of each piece's footprint from that of one; 0 where they overlap."""
@@ -237,11 +256,13 @@ def _spread(low: float, high: float, count: int) -> FloatArray:
 def distances(points: FloatArray, segments: FloatArray) -> FloatArray:
     """(N, M) from points (N, 2) to segments (M, 2, 2)."""
     start, run = segments[:, 0], segments[:, 1] - segments[:, 0]
-    ahead = points[:, None] - start[None]
-    square = np.maximum((run * run).sum(axis=1), 1e-12)
-    t = np.clip((ahead * run[None]).sum(axis=2) / square, 0.0, 1.0)
-    away = ahead - t[..., None] * run[None]
-    return np.hypot(away[..., 0], away[..., 1])
+    run_x, run_y = run[:, 0], run[:, 1]
+    x = points[:, :1] - start[:, 0]
+    y = points[:, 1:] - start[:, 1]
+    t = (x * run_x + y * run_y) / np.maximum(run_x * run_x + run_y * run_y, 1e-12)
+    t = np.minimum(np.maximum(t, 0.0), 1.0)
+    found: FloatArray = np.hypot(x - t * run_x, y - t * run_y)
+    return found
 
 
 def clipped(ends: FloatArray, across: tuple[float, float], along: tuple[float, float]) -> float:
