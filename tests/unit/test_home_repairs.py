@@ -10,6 +10,7 @@ import pytest
 from chord_usd.base.metrics.clear_floor import blocked_openings
 from chord_usd.base.metrics.complete import SEATS
 from chord_usd.base.metrics.design import judged_home, judged_room
+from chord_usd.base.metrics.design.bedroom_rules import WARDROBE_RULES
 from chord_usd.base.metrics.design.home_rules import (
     DINERS,
     LAUNDRY,
@@ -18,6 +19,7 @@ from chord_usd.base.metrics.design.home_rules import (
     TELEVISION,
     WARDROBES,
 )
+from chord_usd.base.metrics.design.price import tight
 from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import mixed_kind, stands_in
@@ -33,6 +35,7 @@ from chord_usd.base.scene.types import (
     SceneGraph,
     frozen_array,
 )
+from chord_usd.line.compose.kitchens import composed_kitchens, with_kitchens
 from chord_usd.line.lists.dining_changes import seats_at
 from chord_usd.line.lists.improve import free_of_clashes, improved
 from chord_usd.line.lists.other_places import changes_of
@@ -173,3 +176,75 @@ def test_nothing_is_placed_where_a_door_of_furniture_swings() -> None:
         view = before if there else View(before.shell, ())
         changes = [(*there, one) if there else one for one in new]
         assert free_of_clashes(view, changes) == changes[1:]
+
+
+def test_a_full_kitchen_is_composed_around_a_table() -> None:
+    """Units take the walls of the kitchen, and the bedroom is too narrow for a table."""
+    room = Room("kitchen", "kitchen", frozen_array([(0, 0), (2.6, 0), (2.6, 4.4), (0, 4.4)]))
+    bedroom = Room("bed", "bedroom", frozen_array([(2.84, 0), (5.4, 0), (5.4, 2.4), (2.84, 2.4)]))
+    doors = (
+        Opening("front", "door", Box((2.1, -0.12, 0.0), (0.8, 0.24, 2.1), 0.0), ("kitchen",)),
+        Opening("d", "door", Box((2.72, 1.0, 0.0), (0.8, 0.24, 2.1), 90.0), ("kitchen", "bed")),
+    )
+    bed = Item("bed/bed_0", "bed", Box((4.6, 1.3, 0.0), (1.5, 2.0, 1.0), 0.0), "bed")
+    house = SceneGraph((room, bedroom), doors, (bed,))
+
+    def compose(view: View, stays: Sequence[Item]) -> Sequence[Item]:
+        own = {view.shell.room.id: stays}
+        return composed_kitchens(house, [view.shell.room], 5, {}, own)[view.shell.room.id]
+
+    full = with_kitchens(house, composed_kitchens(house, [room], 5, {}, {}))
+    ids = [one.id for one in house.rooms]
+    assert TABLE in _broken(put_back(full, full, ids, (), lambda graph: graph))
+    after = put_back(full, full, ids, (), lambda graph: graph, compose=compose)
+    assert not _broken(after) & {TABLE, DINERS}
+    names = [item.category for item in after.items_of("kitchen")]
+    assert {"sink_cabinet", "cooker_cabinet", "refrigerator", "dining_table"} <= {*names}
+    assert sum(room_faults(after, after.rooms)) <= sum(room_faults(full, full.rooms))
+
+
+def _broken(house: SceneGraph) -> set[str]:
+    return {finding.rule for finding in judged_home(view_home(house)).findings}
+
+
+def test_a_wardrobe_for_two_takes_the_place_of_a_desk() -> None:
+    """Between a window and a door, with a cabinet of 75 cm beside the desk."""
+    room = Room("room", "bedroom", frozen_array([(0, 0), (3.6, 0), (3.6, 3.4), (0, 3.4)]))
+    openings = (
+        Opening("w", "window", Box((1.6, 3.52, 0.9), (1.7, 0.24, 1.4), 0.0), ("room",)),
+        Opening("d", "door", Box((2.9, -0.12, 0.0), (0.8, 0.24, 2.1), 0.0), ("room",)),
+    )
+    pieces = (
+        ("bed", Box((1.05, 1.8, 0.0), (1.5, 2.1, 1.0), 90.0)),
+        ("bedside_table", Box((0.21, 0.83, 0.0), (0.42, 0.42, 0.5), 90.0)),
+        ("bedside_table", Box((0.21, 2.77, 0.0), (0.42, 0.42, 0.5), 90.0)),
+        ("cabinet", Box((3.3, 1.5, 0.0), (0.75, 0.6, 2.15), -90.0)),
+        ("table", Box((3.2, 3.1, 0.0), (0.8, 0.6, 0.75), 180.0)),
+        ("chair", Box((3.2, 2.6, 0.0), (0.5, 0.5, 0.9), 0.0)),
+    )
+    items = tuple(Item(f"room/{name}_{at}", name, box, "room")
+                  for at, (name, box) in enumerate(pieces))  # fmt: skip
+    before = View(shells((room,), openings)["room"], items)
+    after = improved(before, lambda _: 0.0, changes_of(before))
+    stored = after.length[after.of("cabinet")].sum()
+    assert stored >= 1.94
+    assert not [one for judged in judged_room(after) for one in judged.findings
+                if one.rule in WARDROBE_RULES]  # fmt: skip
+
+
+def test_what_parts_two_doors_counts_as_tight() -> None:
+    """A cabinet across a passage leaves 30 cm, and its floor hangs together."""
+    room = Room("room", "corridor", frozen_array([(0, 0), (1.4, 0), (1.4, 5), (0, 5)]))
+    doors = tuple(
+        Opening(f"d{y}", "door", Box((0.7, y, 0.0), (0.8, 0.24, 2.1), 0.0), ("room",))
+        for y in (-0.12, 5.12)
+    )
+    shell = shells((room,), doors)["room"]
+    wide, narrow = (
+        View(
+            shell,
+            (Item("c", "cabinet", Box((deep / 2, 2.5, 0.0), (1.0, deep, 2.0), 90.0), "room"),),
+        )
+        for deep in (0.6, 1.1)
+    )
+    assert (tight(wide), tight(narrow)) == (0, 1)

@@ -6,19 +6,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from chord_usd.base.metrics.complete import WALLED
-from chord_usd.base.metrics.design.bedroom_rules import bedside, wardrobes
-from chord_usd.base.metrics.design.view import View, sleepers_of
+from chord_usd.base.metrics.design.bedroom_rules import bedside
+from chord_usd.base.metrics.design.view import View
 from chord_usd.base.places.wall_frames import Size, WallFrame
 from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, Item
 from chord_usd.base.scene.units import wrap_deg
-from chord_usd.line.lists.pieces import TALL_M, WARDROBE_DEPTH_M
 
-WARDROBE_M = 0.6
 SHOWERS_M = (0.9, 0.8)
 TABLE_TO_SOFA_M = 0.4
 SLIDES_M = (0.3, 0.6, 0.9, 1.2)
@@ -57,7 +53,7 @@ def _near(box: Box) -> Iterator[Box]:
     yield box
     for step in NEAR_M:
         for u, v in ((step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)):
-            yield _resized(box, *box.size_m[:2], u, v)
+            yield resized(box, *box.size_m[:2], u, v)
 
 
 def at_walls(view: View, size: Size, step_m: float = WALL_STEP_M) -> Iterator[Box]:
@@ -76,53 +72,25 @@ def but(view: View, numbers: Sequence[int]) -> tuple[Item, ...]:
     return tuple(item for at, item in enumerate(view.items) if at not in numbers)
 
 
-def _with(view: View, at: int, box: Box) -> Change:
+def with_box(view: View, at: int, box: Box) -> Change:
     items = list(view.items)
     items[at] = replace(items[at], box=box)
     return tuple(items)
 
 
-def _resized(box: Box, length: float, depth: float, u: float, v: float) -> Box:
+def resized(box: Box, length: float, depth: float, u: float, v: float) -> Box:
     """Another size about a point of its own frame, y to the back."""
     x, y = to_world(box, (u, v))
     return replace(box, center_m=(float(x), float(y), box.center_m[2]),
                    size_m=(length, depth, box.size_m[2]))  # fmt: skip
 
 
-def _grown(box: Box, length: float, depth: float) -> Iterator[Box]:
+def grown(box: Box, length: float, depth: float) -> Iterator[Box]:
     """A piece of another size with its back where it is: to the left, to both sides, to the
     right."""
     back = (box.size_m[1] - depth) / 2
     for share in (-0.5, 0.0, 0.5):
-        yield _resized(box, length, depth, share * (length - box.size_m[0]), back)
-
-
-def _wardrobe(view: View) -> Iterator[Change]:
-    """The longest cabinet, deep and long enough to hang clothes for all."""
-    cabinets = view.of("cabinet")
-    if not cabinets:
-        return
-    at = max(cabinets, key=lambda one: (view.depth[one] >= WARDROBE_DEPTH_M, view.length[one]))
-    others = sum(view.length[one] for one in wardrobes(view) if one != at)
-    most = CATEGORIES["cabinet"].length_m[1]
-    needed = float(np.clip(sleepers_of(view) - others, view.length[at], most))
-    depth = max(float(view.depth[at]), WARDROBE_M)
-    tall = replace(view.items[at].box, size_m=(*view.items[at].box.size_m[:2], TALL_M))
-    lengths = np.arange(needed, view.length[at] - 0.01, -0.2).tolist()
-    for length in (*lengths, float(view.length[at])):
-        for box in _grown(tall, length, depth):
-            yield _with(view, at, box)
-
-
-def _wardrobe_more(view: View) -> Iterator[Change]:
-    """Another wardrobe, for those who have none."""
-    there = float(view.length[wardrobes(view)].sum())
-    missing = sleepers_of(view) - there
-    if missing <= 0.05:
-        return
-    for length in dict.fromkeys((max(missing, 0.8), 0.8)):
-        for box in at_walls(view, (min(length, 2.4), WARDROBE_M, TALL_M)):
-            yield (*view.items, new_piece(view, "cabinet", box))
+        yield resized(box, length, depth, share * (length - box.size_m[0]), back)
 
 
 def _bedsides(view: View) -> Iterator[Change]:
@@ -156,15 +124,15 @@ def _shower(view: View) -> Iterator[Change]:
         box = view.items[at].box
         for side in SHOWERS_M:
             length, depth = max(box.size_m[0], side), max(box.size_m[1], side)
-            for grown in _grown(box, length, depth):
-                yield _with(view, at, grown)
+            for larger in grown(box, length, depth):
+                yield with_box(view, at, larger)
 
 
 def _basin(view: View) -> Iterator[Change]:
     for at in view.of("washbasin")[:1]:
         box = view.items[at].box
         for length in (0.6, 0.5):
-            yield from (_with(view, at, one) for one in _grown(box, length, box.size_m[1]))
+            yield from (with_box(view, at, one) for one in grown(box, length, box.size_m[1]))
 
 
 def _longest_sofa(view: View) -> int | None:
@@ -183,7 +151,7 @@ def _coffee_table(view: View) -> Iterator[Change]:
     x, y = to_world(box, (0.0, ahead))
     own = Box((float(x), float(y), 0.0), size, box.yaw_deg)
     if tables:
-        yield _with(view, tables[0], own)
+        yield with_box(view, tables[0], own)
     else:
         yield (*view.items, new_piece(view, "coffee_table", own))
 
@@ -226,13 +194,15 @@ def _slid(category: str) -> Callable[[View], Iterator[Change]]:
             for length in {float(box.size_m[0]), min(1.2, float(box.size_m[0]))}:
                 for step in (0.0, *SLIDES_M):
                     for side in (-1, 1):
-                        yield _with(view, at, _resized(box, length, box.size_m[1], side * step, 0))
+                        yield with_box(
+                            view, at, resized(box, length, box.size_m[1], side * step, 0)
+                        )
 
     return propose
 
 
 BY_KIND = {
-    "bedroom": (_bedsides, _wardrobe, _wardrobe_more),
+    "bedroom": (_bedsides,),
     "bathroom": (_shower, _basin),
     "washroom": (_basin,),
     "wc": (_basin,),

@@ -3,7 +3,7 @@ pieces that break them, each with what belongs to it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -24,7 +24,6 @@ from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.lists.changes import (
     BY_KIND,
     TABLE_TO_SOFA_M,
-    WARDROBE_M,
     Change,
     Propose,
     Size,
@@ -36,6 +35,12 @@ from chord_usd.line.lists.changes import (
 from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
 from chord_usd.line.lists.improve import free_of_clashes
 from chord_usd.line.lists.pieces import TALL_M
+from chord_usd.line.lists.wardrobe_changes import (
+    WARDROBE_M,
+    another_wardrobe,
+    longer_wardrobe,
+    wardrobe_instead,
+)
 from chord_usd.line.lists.wet_places import composed
 
 _ALONE = frozenset((*WALLED, "shower", "bathtub", "table"))
@@ -60,8 +65,16 @@ def changes_of(view: View) -> list[Propose]:
     seats = partial(more_chairs, seats=max(2, seats_at(view)))
     wet: list[Propose] = [composed] if view.shell.kind in WET_KINDS else []
     chairs: list[Propose] = [seats] if view.of("dining_table") else []
-    changes: list[Propose] = [*wet, *BY_KIND.get(view.shell.kind, ()), *chairs, moved]
-    return [*changes, zoned] if view.shell.kind == "living" else changes
+    changes: list[Propose] = [*wet, *BY_KIND.get(view.shell.kind, ())]
+    if view.shell.kind == "bedroom":
+        changes += [longer_wardrobe, another_wardrobe]
+    last: Mapping[str, Propose] = {"living": zoned, "bedroom": wardrobe_instead}
+    return [
+        *changes,
+        *chairs,
+        moved,
+        *(one for kind, one in last.items() if kind == view.shell.kind),
+    ]
 
 
 def moved(view: View) -> Iterator[Change]:

@@ -25,7 +25,7 @@ from chord_usd.base.metrics.design.home_rules import (
 from chord_usd.base.metrics.design.view import HomeView, View
 from chord_usd.base.metrics.rooms import stands_in
 from chord_usd.base.scene.types import Box, FloatArray, RoomKind
-from chord_usd.line.lists.changes import WARDROBE_M, Change, Propose, Size, at_walls, new_piece
+from chord_usd.line.lists.changes import Change, Propose, Size, at_walls, new_piece
 from chord_usd.line.lists.dining_changes import (
     Compose,
     eat_in,
@@ -37,6 +37,7 @@ from chord_usd.line.lists.dining_changes import (
 from chord_usd.line.lists.home_programme import WASHED_IN, suits_dining
 from chord_usd.line.lists.other_places import sofa_groups, zoned
 from chord_usd.line.lists.pieces import TALL_M
+from chord_usd.line.lists.wardrobe_changes import SPARE_M, WARDROBE_M
 
 _WASHER_M = (0.6, 0.6, 0.85)
 _SHELVES_M = ((1.6, 0.4, 2.0), (0.8, 0.4, 2.0), (0.6, 0.38, 2.0))
@@ -44,8 +45,6 @@ _SHOES_M = ((0.8, 0.3, 1.1), (0.6, 0.25, 1.1))
 _TVS_M = ((1.2, 0.35, 0.45), (1.0, 0.3, 0.45))
 _EASY_M = (0.8, 0.8, 0.85)
 NEAR_DOOR_M = 2.9
-_SPARE_M = 0.04
-"""More wardrobe than is needed: painting takes a centimetre."""
 _STORED_IN: tuple[RoomKind, ...] = ("bedroom", "corridor", "store", "study", "living")
 
 
@@ -65,7 +64,7 @@ def repairs(home: HomeView, rule: str, compose: Compose | None = None) -> Iterat
 def lacking(home: HomeView) -> list[str]:
     """Names of the rules that a home breaks and that pieces may mend, in order."""
     broken = {finding.rule for finding in judged_home(home).findings}
-    return [rule for rule in (NO_HOME_WITHOUT, *_EATEN, *_BY_RULE) if rule in broken]
+    return [rule for rule in dict.fromkeys((NO_HOME_WITHOUT, *_EATEN, *_BY_RULE)) if rule in broken]
 
 
 def _of_kinds(home: HomeView, kinds: Sequence[RoomKind]) -> list[int]:
@@ -143,7 +142,7 @@ def _before_bed(view: View) -> Iterator[Change]:
 
 def _wardrobes(home: HomeView) -> Iterator[Repair]:
     there = sum(float(room.length[wardrobes(room)].sum()) for room in home.rooms)
-    missing = home.sleepers - there + _SPARE_M
+    missing = home.sleepers - there + SPARE_M
     lengths = [length for length in (missing, 1.6, 1.2, 0.8) if length <= max(missing, 0.8)]
     sizes = [(min(max(length, 0.6), 2.6), WARDROBE_M, TALL_M) for length in lengths]
     for at in _of_kinds(home, _STORED_IN):

@@ -177,7 +177,8 @@ class Ground:
             far = hole.inward * (hole.depth_m / 2 + _BEHIND_M)
             ends = np.concatenate([hole.ends + near, hole.ends[::-1] + far])
             cv2.fillPoly(strip, [ground.cells(ends)], (1,))
-            behind.append(np.nonzero(strip))
+            rows, columns = np.nonzero(strip)
+            behind.append((rows, columns))
         return cls(low, ground.floor, tuple(behind))
 
     def cells(self, points_m: FloatArray) -> npt.NDArray[np.int32]:
