@@ -13,6 +13,7 @@ from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
 from chord_usd.line.compose.composer import compose
 from chord_usd.line.compose.cut import Unit
+from chord_usd.line.compose.search import EFFORT
 from chord_usd.line.compose.site import BEFORE_M, floor_of
 
 RULE = "kitchen as composed"
@@ -36,12 +37,14 @@ def composed_kitchens(
     excluded: Mapping[str, Collection[str]],
     kept: Mapping[str, Sequence[Item]],
     shown: Sequence[Item] = (),
+    effort: int = EFFORT,
 ) -> Kitchens:
     """Units for the kitchens among these rooms.
 
     The house holds what lists or a picture have placed: walls and extents are taken from that.
     excluded: categories by room id. kept: pieces that stay, by room id; a kitchen with kept units,
     or without sink or cooker by wish, is left as it is. shown: units that the plan shows.
+    effort: of compose.
     """
     numbers = {room.id: number for number, room in enumerate(house.rooms)}
     found = {}
@@ -59,7 +62,7 @@ def composed_kitchens(
         units = compose(
             house, room, seed + 7919 * numbers[room.id], stays=stay,
             hints=[(item.category, *item.box.center_m[:2]) for item in drawn or placed],
-            without=frozenset(shut_out), is_drawn=bool(drawn),
+            without=frozenset(shut_out), is_drawn=bool(drawn), effort=effort,
         )  # fmt: skip
         if units:
             found[room.id] = tuple(_items(room.id, units))

@@ -34,7 +34,7 @@ _STEP_M = 0.4
 
 _LOOSE = ("table", "chair", "leisure_sofa", "lounge", "side_coffee_table", "dining_cabinet")
 """Where no dining table is: what stands there while the home has none."""
-_COMPOSED = 8
+_COMPOSED = 10
 """Tables around which a kitchen is composed."""
 
 Compose = Callable[[View, Sequence[Item]], Sequence[Item]]

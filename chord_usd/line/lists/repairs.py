@@ -113,15 +113,18 @@ def _tables(home: HomeView, at: int, compose: Compose | None) -> Iterator[Propos
     room = home.rooms[at]
     there, tables = seats_at(room), room.of("dining_table")
     missing = min(max(2, home.sleepers), MOST_DINERS) - sum(map(seats_at, home.rooms))
-    for seats in range(min(there + missing, MOST_DINERS), max(1, there), -1):
+    most = min(there + missing, MOST_DINERS)
+    for seats in range(most, max(1, there), -1):
         if tables:
             yield partial(more_chairs, seats=seats)
             yield partial(laid_table, seats=seats, table=tables[0])
         else:
             yield partial(laid_table, seats=seats)
             yield partial(laid_instead, seats=seats)
-            if compose and room.shell.kind == "kitchen" and not home.of("dining_table"):
-                yield partial(eat_in, seats=seats, compose=compose)
+    if compose and room.shell.kind == "kitchen" and not home.of("dining_table"):
+        yield from (
+            partial(eat_in, seats=seats, compose=compose) for seats in dict.fromkeys((most, 2))
+        )
 
 
 def _television(home: HomeView) -> Iterator[Repair]:

@@ -27,6 +27,9 @@ SEEDS_APART = 1_000_003
 DRAFTS = 12
 """Lists drawn of each room; those with which room and home cost least are painted."""
 
+LITTLE_EFFORT = 4
+"""Of composing, where a kitchen is composed around each of many tables."""
+
 WISH_DRAWS = 3
 """So often a room that lacks a piece that was wished for is drawn again."""
 
@@ -102,22 +105,24 @@ class Draw:
         def compose(view: View, stays: Sequence[Item]) -> Sequence[Item]:
             room = view.shell.room
             own = replace(asked[room.id], kept=tuple(stays))
-            return self._kitchens(listed, [room], {room.id: own}).get(room.id, ())
+            found = self._kitchens(listed, [room], {room.id: own}, LITTLE_EFFORT)
+            return found.get(room.id, ())
 
         return put_back(finish(drawn), listed, asked, decided, finish, compose=compose)
 
     def _kitchens(
-        self, house: SceneGraph, rooms: Sequence[Room], asked: Mapping[str, Asked]
+        self, house: SceneGraph, rooms: Sequence[Room], asked: Mapping[str, Asked], effort: int = 0
     ) -> Kitchens:
         """Units composed for the kitchens of a house, which holds what was placed in them."""
         if not self.composes:
             return {}
         from chord_usd.line.compose.kitchens import composed_kitchens, with_kitchens
+        from chord_usd.line.compose.search import EFFORT
 
         found = composed_kitchens(
             house, [room for room in rooms if room.id not in self.shut], self.seed,
             {room_id: own.excluded for room_id, own in asked.items()},
-            {room_id: own.kept for room_id, own in asked.items()}, self.shown,
+            {room_id: own.kept for room_id, own in asked.items()}, self.shown, effort or EFFORT,
         )  # fmt: skip
         made = with_kitchens(house, found)
 
