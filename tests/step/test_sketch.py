@@ -16,11 +16,11 @@ from chord_usd.line.planning import sketch_tokens as tokens
 from chord_usd.line.planning.floor_sheet import on_sheet, sheet_for_area, shell_sheet, slips
 from chord_usd.line.planning.outline import open_shell
 from chord_usd.line.planning.sketcher import GRAPH_INPUTS, Sketcher, load_sketcher, open_ground
-from chord_usd.workshop.training.sketch_data import batch_of, endless_batches, held_out, procedural
+from chord_usd.workshop.training.sketch_data import Procedural, batch_of, endless_batches, held_out
 from chord_usd.workshop.training.sketch_network import SketchNetwork
 from chord_usd.workshop.training.sketch_trainer import SketchTraining, batch_loss, train_sketches
 
-HOUSES = procedural(40, 0)
+HOUSES = Procedural(40, 0)
 
 
 @pytest.fixture(scope="module")

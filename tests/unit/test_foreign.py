@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from chord_usd.base.errors import SceneError
+from chord_usd.base.errors import ChordError, SceneError
 from chord_usd.base.metrics.rooms import out_of_room
 from chord_usd.base.scene.chord_json import scene_from_json, scene_to_json
 from chord_usd.base.scene.geometry import footprint_polygon, front_direction, room_polygon
@@ -28,7 +28,7 @@ from chord_usd.workshop.data.foreign import (
     read_models_file,
 )
 from chord_usd.workshop.data.threed_front import category_of, kind_of, labels_by_name
-from tests.foreign_records import front_house, procthor_house
+from tests.foreign_records import flat_lines, front_house, procthor_house
 
 MODELS = Models(categories={"m1": "King-size Bed", "m2": "Floor Lamp"})
 
@@ -44,6 +44,28 @@ def test_a_house_of_3d_front_keeps_its_rooms_and_known_pieces() -> None:
     assert out_of_room(house) == []
     # Its front looks away from the wall at z = 0, into the room, which lies at negative y.
     assert np.allclose(front_direction(bed.box.yaw_deg), (0.0, -1.0))
+
+
+FAR = (1e308, -1e308, 1e30, math.inf, math.nan)
+
+
+@pytest.mark.parametrize("far", FAR)
+def test_coordinates_beyond_reach_never_meet_geometry(far: float) -> None:
+    """GEOS has no end with some of them."""
+    front, procthor = front_house(), procthor_house()
+    front["mesh"][0]["xyz"][5] = far
+    procthor["rooms"][0]["floorPolygon"][1]["z"] = far
+    lines = flat_lines()
+    lines[0][2] = far
+    room = {"room_type": "bedroom", "floor": [[0, 0], [0, 4], [3, far], [3, 0]], "objects": []}
+    for record in (front, procthor, room, {"id": "flat", "lines": lines}):
+        with pytest.raises(ChordError, match="coordinate"):
+            house_from_record(record, MODELS)
+    # Also pieces: their places meet rooms.
+    front = front_house()
+    front["scene"]["room"][0]["children"][1]["pos"][0] = far
+    with pytest.raises(SceneError, match="coordinate"):
+        house_from_record(front, MODELS)
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 90.0, 180.0, -90.0, 30.0])

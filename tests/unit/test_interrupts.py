@@ -37,6 +37,7 @@ AT_WORK = """
 """
 LONG_IN_C = "hashlib.pbkdf2_hmac('sha512', b'', b'', 60_000_000)"
 IN_PYTHON = "time.sleep(60)"
+WITHOUT_PYTHON = "sum(range(10**11))"
 HIDDEN_BY_A_LIBRARY = """
         try:
             time.sleep(60)
@@ -64,6 +65,7 @@ def interrupted(body: str, how: signal.Signals, folder: Path) -> tuple[int, str,
         os.close(writing)
         assert os.read(reading, 5) == b"ready"
         os.close(reading)
+        time.sleep(0.3)  # until the work that follows has begun
         started = time.monotonic()
         process.send_signal(how)
         assert process.stderr
@@ -85,6 +87,15 @@ def test_a_verb_ends_soon_and_leaves_nothing(
     assert ended[:2] == (code, f"error: {word}, nothing was written\n")
     assert ended[2] < 2.0 + interrupts.STUBBORN_S * (work == LONG_IN_C)
     assert list(out.iterdir()) == []
+
+
+def test_a_library_that_lets_no_thread_run_is_ended_too(tmp_path: Path) -> None:
+    code, _, took_s = interrupted(
+        AT_WORK.format(work=WITHOUT_PYTHON), signal.SIGTERM, tmp_path / "o"
+    )
+    assert code == -signal.SIGKILL
+    assert took_s < 12.0
+    assert not (tmp_path / "o" / "house.usda").exists()
 
 
 def test_what_was_written_is_told(tmp_path: Path) -> None:

@@ -21,6 +21,9 @@ INTERRUPTED, TERMINATED = 130, 143
 STUBBORN_S = 1.2
 """A library that computes for longer than this without letting Python run is not waited for."""
 
+_DEAF_S = 5.0
+"""A signal that no thread of Python took up for so long is one that none can."""
+
 delivered: list[Path] = []
 """What this process has written so far, for the words that tell of an interrupt."""
 
@@ -69,13 +72,17 @@ def obey() -> None:
 
 
 def watch() -> None:
-    """Start the thread that ends a process whose main thread does not answer.
+    """Start the thread that ends a process whose main thread does not answer, and the process that
+    ends it where a library lets no thread of Python run.
 
     For a process of our own; in a host's process (tests, notebooks) obey() is enough.
     """
     ours, kernels = socket.socketpair()
     kernels.setblocking(False)
     signal.set_wakeup_fd(kernels.fileno(), warn_on_full_buffer=False)
+    guarded = os.getpid()
+    if os.fork() == 0:
+        _guard(guarded, ours, kernels)
     threading.Thread(target=_wait_and_end, args=(ours, kernels), daemon=True).start()
 
 
@@ -128,6 +135,7 @@ def _raise(signum: int, frame: FrameType | None) -> NoReturn:
 def _wait_and_end(ours: socket.socket, kernels: socket.socket) -> None:
     """kernels: held here, since a closed socket wakes nobody."""
     while True:
+        ours.recv(1, socket.MSG_PEEK)  # comes back to Python later where a library keeps it
         numbers = ours.recv(64)
         for number in numbers:
             if number not in (signal.SIGINT, signal.SIGTERM):
@@ -138,11 +146,33 @@ def _wait_and_end(ours: socket.socket, kernels: socket.socket) -> None:
                     _end_hard(Terminated if number == signal.SIGTERM else Interrupted)
 
 
+def _guard(guarded: int, ours: socket.socket, kernels: socket.socket) -> NoReturn:
+    """In a process of this alone: kill the other where a signal lies unread, which a thread of
+    Python would have taken; leave when it ends, since its end of the socket closes then."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    signal.set_wakeup_fd(-1)
+    kernels.close()
+    kept = ours.fileno()
+    os.closerange(0, kept)
+    os.closerange(kept + 1, os.sysconf("SC_OPEN_MAX"))
+    with contextlib.suppress(OSError):
+        while ours.recv(1, socket.MSG_PEEK):
+            time.sleep(_DEAF_S)
+            with contextlib.suppress(BlockingIOError):
+                unread = ours.recv(64, socket.MSG_PEEK | socket.MSG_DONTWAIT)
+                if {signal.SIGINT, signal.SIGTERM}.intersection(unread):
+                    for pid in (guarded, *_children(guarded)):
+                        if pid != os.getpid():
+                            os.kill(pid, signal.SIGKILL)
+    os._exit(0)
+
+
 def _end_hard(reason: type[Interrupted]) -> NoReturn:
     for clean_up in list(on_hard_end):
         with contextlib.suppress(Exception):
             clean_up()
-    for child in _children():
+    for child in _children(os.getpid()):
         with contextlib.suppress(OSError):
             os.kill(child, signal.SIGKILL)
     with contextlib.suppress(Exception):
@@ -151,10 +181,10 @@ def _end_hard(reason: type[Interrupted]) -> NoReturn:
     os._exit(reason.code)
 
 
-def _children() -> list[int]:
-    """Processes that this one started, where the system tells."""
+def _children(pid: int) -> list[int]:
+    """Processes that another started, where the system tells."""
     found: list[int] = []
-    for task in Path("/proc/self/task").glob("*/children"):
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
         with contextlib.suppress(OSError, ValueError):
             found += map(int, task.read_text().split())
     return found

@@ -13,8 +13,21 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
+from chord_usd.base.errors import SceneError
+from chord_usd.base.scene.limits import FARTHEST_M
 from chord_usd.base.scene.types import WALL_THICKNESS_M, Box, FloatArray, Plan, Room
 from chord_usd.base.scene.units import rotation_2d
+
+
+def refuse_unreachable(points_m: npt.ArrayLike) -> None:
+    """Raises SceneError for coordinates of foreign files that are beyond FARTHEST_M or no numbers:
+    GEOS computes without an end with some of them."""
+    points = np.asarray(points_m, dtype=np.float64)
+    within = np.abs(points) <= FARTHEST_M  # False for NaN
+    if not within.all():
+        raise SceneError(
+            f"has a coordinate of {points[~within][0]:g}", expected=f"at most {FARTHEST_M:g} m"
+        )
 
 
 @lru_cache(maxsize=4096)  # scores, rules and draws ask for the same boxes again and again

@@ -9,6 +9,9 @@ LARGEST_HOUSE_M = 500.0
 """From one side to the other. Hardly a building is longer in one piece, and at the coarsest scale
 that layouts are drawn at not much more fits the largest canvas (canvas.LARGEST_CANVAS_PX)."""
 
+FARTHEST_M = 1e5
+"""From the origin of a file's coordinates, metres, and of pixels of traced plans."""
+
 M_PER_PX = (1e-4, 10.0)
 """Range of a picture's scale, metres per pixel, and of metres per unit of a vector file: from a
 tenth of a millimetre to a map on which a whole house is a dot."""

@@ -280,14 +280,14 @@ def run_bubbles(options: argparse.Namespace) -> Outcome:
     from chord_usd.workshop.data.flats import read_flats
     from chord_usd.workshop.evaluation.floors import held_out_cases
     from chord_usd.workshop.evaluation.sketch_sheet import draw_sketches
-    from chord_usd.workshop.training.sketch_data import held_out, procedural, sketched
+    from chord_usd.workshop.training.sketch_data import Procedural, held_out, sketched
     from chord_usd.workshop.training.sketch_trainer import SketchTraining, train_sketches
 
     config = run_of(options, SketchTraining())
     flats = read_flats(options.flats, part="train") if options.flats else []
     watch = stopwatch(options)
-    with watch.step("draw") as progress:
-        houses = procedural(options.houses, options.seed, progress)
+    houses = Procedural(options.houses, options.seed)
+    with watch.step("draw"):
         real = [house for plan in flats if (house := sketched(plan))]
     with watch.step("train") as progress:
         facts = train_sketches(config, options.output, houses, real, held_out(200), progress)

@@ -19,6 +19,8 @@ SHOWERS_M = (0.9, 0.8)
 TABLE_TO_SOFA_M = 0.4
 SLIDES_M = (0.3, 0.6, 0.9, 1.2)
 WALL_STEP_M = 0.3
+_WALL_PLACES = 200
+"""About so many places along all walls of a room: halls have them farther apart."""
 SHARES = (1.0, 0.85, 0.7)
 """Of its length, that a piece at a wall is placed again with."""
 NEAR_M = (0.1, 0.2, 0.35, 0.5)
@@ -57,7 +59,10 @@ def _near(box: Box) -> Iterator[Box]:
 
 
 def at_walls(view: View, size: Size, step_m: float = WALL_STEP_M) -> Iterator[Box]:
-    """A piece of this size with its back to each wall, every step_m."""
+    """A piece of this size with its back to each wall, every step_m, farther apart in halls."""
+    ends = np.array(view.shell.walls).reshape(-1, 2, 2)
+    around_m = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
+    step_m = max(step_m, around_m / _WALL_PLACES)
     for start, end in view.shell.walls:
         yield from WallFrame.between(start, end).boxes(size, step_m)
 

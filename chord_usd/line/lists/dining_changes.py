@@ -3,6 +3,7 @@ an end of the table at a wall."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -28,6 +29,8 @@ PULL_OUT_M = 0.76
 LENGTHS_M = {0: (0.8,), 1: (0.8,), 2: (1.4, 1.25), 3: (2.05, 1.9)}
 """Of tables, by how many sit at a long side."""
 _GRID_M = 0.4
+_GRID_PLACES = 1000
+"""About so many over the floor of a room: halls have them farther apart."""
 """Between places of a table on free floor."""
 _STEP_M = 0.4
 """Between places along a wall."""
@@ -166,7 +169,8 @@ def _spots(view: View, seats: int) -> Iterator[_Spot]:
 def _places(view: View, size: tuple[float, float, float]) -> Iterator[Box]:
     """Over the floor of a room, in both directions of its longest wall."""
     low, high = view.shell.room.polygon_m.min(axis=0), view.shell.room.polygon_m.max(axis=0)
-    across, along = (np.arange(a + 0.6, b - 0.6, _GRID_M) for a, b in zip(low, high, strict=True))
+    step = max(_GRID_M, math.sqrt(float(np.prod(high - low)) / _GRID_PLACES))
+    across, along = (np.arange(a + 0.6, b - 0.6, step) for a, b in zip(low, high, strict=True))
     start, end = max(view.shell.sides, key=lambda side: float(np.hypot(*(side[1] - side[0]))))
     yaw = WallFrame.between(start, end).yaw_deg
     for x, y, turn in product(across.tolist(), along.tolist(), (0.0, 90.0)):

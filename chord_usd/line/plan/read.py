@@ -35,6 +35,9 @@ _PALETTE_SHARE = 0.99
 _LARGEST_RASTER_PX = 3000
 """Two hundred metres at the coarsest scale that we draw."""
 
+_WIDEST_DOORS_M = 5.0
+"""Half of the doors of a plan are narrower; a garage door is 2.4 to 5 m wide."""
+
 _COLOR_SLACK = 3
 _SAMPLES = 50_000
 
@@ -65,11 +68,25 @@ def read_plan_file(
     plan = replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
     if _is_json(path):
         return plan
+    _refuse_giants(plan, path)
     try:
         refuse_unsure(plan)
     except PlanError as error:
         raise _at(path, error) from error
     return judged(with_wet_kinds(plan))
+
+
+def _refuse_giants(plan: Plan, path: Path) -> None:
+    """Raises PlanError for a scale at which nobody lives: halls take minutes to furnish."""
+    doors = [opening.box.size_m[0] for opening in plan.openings if opening.kind == "door"]
+    usual_m = float(np.median(doors)) if doors else 0.0
+    if usual_m > _WIDEST_DOORS_M:
+        raise PlanError(
+            f"its doors would be {usual_m:.1f} m wide",
+            where=str(path),
+            expected=f"at most {_WIDEST_DOORS_M:g} m",
+            try_="a smaller --scale",
+        )
 
 
 def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan]:

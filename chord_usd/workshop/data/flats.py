@@ -23,6 +23,7 @@ from chord_usd.base.errors import PlanError
 from chord_usd.base.metrics.rooms import empty_rooms
 from chord_usd.base.runtime.json_lines import read_lines
 from chord_usd.base.runtime.json_text import parse_json
+from chord_usd.base.scene.geometry import refuse_unreachable
 from chord_usd.base.scene.types import Plan, Room, RoomKind, frozen_array
 from chord_usd.workshop.data.floorplans.traced import Mark, Segment, closed_cells, px_per_m
 from chord_usd.workshop.data.floorplans.traced_openings import traced_openings, unreached
@@ -129,6 +130,7 @@ def _sorted_lines(
     walls: list[Segment] = []
     doors: list[Segment] = []
     marks: list[Mark] = []
+    refuse_unreachable([line[:4] for line in lines])
     for x0, y0, x1, y1, label, *_ in lines:
         if label == "wall":
             walls.append((float(x0), float(y0), float(x1), float(y1)))

@@ -19,7 +19,7 @@ from shapely.geometry.polygon import orient
 
 from chord_usd.base.errors import SceneError
 from chord_usd.base.runtime.json_text import parse_json
-from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.geometry import refuse_unreachable, room_polygon
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import (
     WALL_THICKNESS_M,
@@ -108,13 +108,15 @@ def house_from_procthor(record: Mapping[str, Any], sizes: Sizes) -> SceneGraph:
 
 
 def _room(own: Mapping[str, Any]) -> Room:
-    floor = Polygon([(float(p["x"]), float(p["z"])) for p in own["floorPolygon"]])
+    corners = [(float(p["x"]), float(p["z"])) for p in own["floorPolygon"]]
+    refuse_unreachable(corners)
+    floor = Polygon(corners)
     face = floor.buffer(-WALL_THICKNESS_M / 2, join_style="mitre")
     if not isinstance(face, Polygon) or face.is_empty:
         raise SceneError("a room is narrower than its walls", where=str(own["id"]))
-    corners = frozen_array(orient(face).simplify(1e-3).exterior.coords[:-1])
+    outline = frozen_array(orient(face).simplify(1e-3).exterior.coords[:-1])
     kind = _KINDS.get(own["roomType"], "unknown")
-    return Room(str(own["id"]), kind, corners, str(own["roomType"]))
+    return Room(str(own["id"]), kind, outline, str(own["roomType"]))
 
 
 def _opening(
@@ -126,6 +128,7 @@ def _opening(
 ) -> Opening:
     """The hole's x runs along the bottom of its wall, from the wall's first corner."""
     corners = [np.array([p["x"], p["z"]], dtype=np.float64) for p in walls[hole["wall0"]][:2]]
+    refuse_unreachable(corners)
     along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
     # Older houses say min and max instead.
     ends = hole["holePolygon"] if "holePolygon" in hole else [*hole["boundingBox"].values()]
@@ -147,6 +150,7 @@ def _item(own: Mapping[str, Any], rooms: Sequence[Room], sizes: Sizes, number: i
     if category is None:
         return None
     x, y = float(own["position"]["x"]), float(own["position"]["z"])
+    refuse_unreachable((x, y))
     home = min(rooms, key=lambda room: room_polygon(room).distance(Point(x, y)))
     if category == "side_coffee_table" and home.kind == "bedroom":
         category = "bedside_table"

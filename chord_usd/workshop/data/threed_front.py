@@ -23,6 +23,7 @@ from shapely.geometry.polygon import orient
 from chord_usd.base.errors import SceneError
 from chord_usd.base.runtime.json_lines import read_lines
 from chord_usd.base.runtime.json_text import parse_json
+from chord_usd.base.scene.geometry import refuse_unreachable
 from chord_usd.base.scene.limits import MOST_FLOOR_TRIANGLES, MOST_ROOMS
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import (
@@ -150,6 +151,7 @@ def outline_of(triangles: Iterable[FloatArray]) -> FloatArray | None:
         raise SceneError(
             "a floor has too many triangles", expected=f"at most {MOST_FLOOR_TRIANGLES:,}"
         )
+    refuse_unreachable(triangles)
     shapes = [Polygon(corners[:, [0, 2]] * (1.0, -1.0)) for corners in triangles]
     # Meshes of one floor meet in tiny slits.
     area = unary_union([t.buffer(1e-4, join_style="mitre") for t in shapes if t.area > 1e-6])
@@ -194,7 +196,9 @@ def read_rooms(path: Path) -> Iterator[SceneGraph]:
 def room_from_record(record: Mapping[str, Any], where: str = "") -> SceneGraph:
     """One room as a scene of its own; see read_rooms. Raises SceneError naming where."""
     try:
-        outline = orient(Polygon([(x, -z) for x, z in record["floor"]]))
+        corners = [(x, -z) for x, z in record["floor"]]
+        refuse_unreachable(corners)
+        outline = orient(Polygon(corners))
         kind = kind_of(record["room_type"])
         room = Room("room", kind, frozen_array(outline.exterior.coords[:-1]), record["room_type"])
         items = [
@@ -235,6 +239,7 @@ def item_at(
     """
     x, _, z = (float(value) for value in pos)
     length, height, depth = (float(value) for value in size)
+    refuse_unreachable((x, z, length, height, depth))
     base = CATEGORIES[category].mount_height_m
     box = Box((x, -z, base), (length, depth, height), (turn_deg + 180.0) % 360.0 - 180.0)
     return Item(f"{room_id}/{category}_{number}", category, box, room_id)

@@ -11,7 +11,6 @@ from torch import Tensor
 
 from chord_usd.base.raster import plan_labels
 from chord_usd.base.raster.bubbles import Bubble, bubbles_of, jittered
-from chord_usd.base.runtime.progress import Progress
 from chord_usd.base.scene.types import Plan
 from chord_usd.base.scene.wish import floor_area_m2
 from chord_usd.line.planning import sketch_tokens as tokens
@@ -51,19 +50,33 @@ def sketched(plan: Plan) -> Sketched | None:
     return Sketched(bubbles, floor_area_m2(plan), tokens.shell_cells(shell, scale))
 
 
-def procedural(count: int, seed: int, progress: Progress | None = None) -> list[Sketched]:
-    """Houses that may be trained on."""
-    rng = np.random.default_rng(seed)
-    found: list[Sketched] = []
-    while len(found) < count:
+class Procedural(Sequence[Sketched]):
+    """So many houses that may be trained on; each is drawn when it is first needed, so that a run
+    pays only for those that it learns from."""
+
+    def __init__(self, count: int, seed: int) -> None:
+        """count: at least 1."""
+        self._count, self._seed = count, seed
+        self._drawn: dict[int, Sketched] = {}
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, index: int) -> Sketched:  # type: ignore[override]  # no slices
+        if not 0 <= index < self._count:
+            raise IndexError(index)
+        if index not in self._drawn:
+            self._drawn[index] = _procedural(np.random.default_rng((self._seed, index)))
+        return self._drawn[index]
+
+
+def _procedural(rng: np.random.Generator) -> Sketched:
+    while True:
         plan_seed = int(rng.integers(2**40))
-        if is_test_seed(plan_seed):
-            continue
-        house = sketched(random_plan(np.random.default_rng(plan_seed)))
-        found += [house] if house else []
-        if progress and len(found) % 100 == 0:
-            progress(len(found), count)
-    return found
+        if not is_test_seed(plan_seed):
+            house = sketched(random_plan(np.random.default_rng(plan_seed)))
+            if house:
+                return house
 
 
 def held_out(count: int) -> list[Sketched]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,7 +36,7 @@ class SketchTraining(RunConfig):
 def train_sketches(
     config: SketchTraining,
     folder: Path,
-    houses: list[Sketched],
+    houses: Sequence[Sketched],
     real: list[Sketched],
     judges: list[Sketched],
     progress: Progress | None = None,
