@@ -64,6 +64,13 @@ def test_a_raster_without_its_text_takes_its_scale_from_the_walls(tmp_path: Path
     assert area_m2(scaled) == pytest.approx(area_m2(PLAN), rel=0.02)
 
 
+def test_a_scale_at_which_doors_are_gates_is_refused(tmp_path: Path) -> None:
+    image = draw_plan(random_plan(np.random.default_rng(3)))
+    Image.fromarray(np.asarray(image.rgb)).save(tmp_path / "plan.png")
+    with pytest.raises(PlanError, match="doors"):
+        read_plan_file(tmp_path / "plan.png", scale=8 * image.frame.m_per_px)
+
+
 def test_a_larger_raster_in_our_colours_is_one_of_ours(tmp_path: Path) -> None:
     rgb = cv2.resize(draw_plan(PLAN).rgb, None, fx=3, fy=3, interpolation=cv2.INTER_NEAREST)
     assert is_plan_raster(rgb)

@@ -7,15 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from PIL import Image
 
 from chord_usd.base.errors import CheckpointError
 from chord_usd.base.runtime.locations import checkpoint_folder
+from chord_usd.base.scene.palette import ROOM_RGB
 from chord_usd.base.scene.wish import Wish
 from chord_usd.line.pipeline.planner import SKETCH_CHECKPOINT
 from chord_usd.line.planning import sketch_tokens as tokens
 from chord_usd.line.planning.floor_sheet import on_sheet, sheet_for_area, shell_sheet, slips
 from chord_usd.line.planning.outline import open_shell
 from chord_usd.line.planning.sketcher import GRAPH_INPUTS, Sketcher, load_sketcher, open_ground
+from chord_usd.workshop.evaluation.floors import held_out_cases
+from chord_usd.workshop.evaluation.sketch_sheet import draw_sketches
 from chord_usd.workshop.training.sketch_data import Procedural, batch_of, endless_batches, held_out
 from chord_usd.workshop.training.sketch_network import SketchNetwork
 from chord_usd.workshop.training.sketch_trainer import SketchTraining, batch_loss, train_sketches
@@ -31,7 +35,7 @@ def sketcher() -> Sketcher:
 def test_a_slot_sees_only_what_was_told_before() -> None:
     torch.manual_seed(0)
     network = SketchNetwork().eval()
-    shell, roles, left, values = batch_of(HOUSES[:2])
+    shell, roles, left, values = batch_of([HOUSES[0], HOUSES[1]])
     with torch.inference_mode():
         before = network(shell, roles, left, values)
         place = tokens.HEADING + 1
@@ -64,12 +68,24 @@ def test_the_graph_computes_what_the_network_computes(tmp_path: Path) -> None:
     network = SketchNetwork().eval()
     weights = load_file(tmp_path / "checkpoint" / "weights.safetensors")
     network.load_state_dict({name: tensor.float() for name, tensor in weights.items()})
-    batch = batch_of(HOUSES[:3])
+    batch = batch_of([HOUSES[at] for at in range(3)])
     with torch.inference_mode():
         expected = network(*batch).numpy()
     inputs = {name: part.numpy() for name, part in zip(GRAPH_INPUTS, batch, strict=True)}
     (found,) = load_sketcher(tmp_path / "checkpoint")._network.run(inputs)
     assert np.abs(found - expected).max() < 1e-3
+
+
+def test_only_houses_that_are_learned_from_are_drawn() -> None:
+    """A run of a step takes no longer for the number of its houses."""
+    first = [next(endless_batches(Procedural(10**7, 0), [], 0.0, 4, 3)) for _ in range(2)]
+    assert all(torch.equal(one, other) for one, other in zip(*first, strict=True))
+
+
+def test_a_sheet_shows_what_is_sketched(sketcher: Sketcher, tmp_path: Path) -> None:
+    draw_sketches(sketcher, held_out_cases(1, aligned=True), tmp_path / "sheet.png")
+    sheet = np.asarray(Image.open(tmp_path / "sheet.png").convert("RGB"))
+    assert (sheet == ROOM_RGB["bedroom"]).all(axis=2).any()
 
 
 def test_houses_are_turned_with_their_shells() -> None:

@@ -32,7 +32,8 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.line.lists import pieces
-from chord_usd.line.lists.changes import placed_again
+from chord_usd.line.lists.changes import at_walls, placed_again
+from chord_usd.line.lists.dining_changes import laid_table
 from chord_usd.line.lists.home_programme import programme_of
 from chord_usd.line.lists.house import Drafts, furnish_by_lists
 from chord_usd.line.lists.improve import improved
@@ -408,3 +409,11 @@ def test_a_television_hangs_where_its_cabinet_would_stand_before_a_window() -> N
     assert not screen.id
     assert screen.at[0] - screen.length / 2 > 2.6, "beside the window"
     assert abs(screen.at[1]) < 0.1, "on the wall that the sofa faces"
+
+
+def test_halls_have_no_more_places_than_large_rooms() -> None:
+    """A scale read wrong makes halls of rooms, whose places would take minutes to try."""
+    hall = Room("room", "dining", np.array([[0, 0], [90, 0], [90, 90], [0, 90]], np.float64))
+    view = View(shells((hall,), ())["room"], ())
+    assert sum(1 for _ in at_walls(view, (1.0, 0.5, 0.8))) < 250
+    assert sum(1 for _ in laid_table(view, 4)) < 15_000

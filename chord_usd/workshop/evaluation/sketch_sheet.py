@@ -12,7 +12,7 @@ from chord_usd.base.raster.bubbles import bubbles_of, with_bubbles
 from chord_usd.base.runtime.files import write_atomic
 from chord_usd.base.scene.palette import ROOM_RGB, ROOM_SHADES
 from chord_usd.base.scene.types import ByteArray, PlanImage
-from chord_usd.base.scene.wish import Wish
+from chord_usd.base.scene.wish import WISHED_KINDS, Wish
 from chord_usd.line.planning.floor_sheet import on_sheet, sheet_for_area, shell_sheet
 from chord_usd.line.planning.sketcher import Ground, Sketcher, open_ground
 from chord_usd.workshop.evaluation.floors import FloorCase
@@ -56,6 +56,6 @@ def _drawn(
 def _coloured(rgb: ByteArray) -> ByteArray:
     """Shades of rooms, which the network tells apart, in colours that people tell apart."""
     coloured = rgb.copy()
-    for kind, colour in ROOM_RGB.items():
-        coloured[(rgb == ROOM_SHADES[kind]).all(axis=2)] = colour
+    for kind in WISHED_KINDS:
+        coloured[(rgb == ROOM_SHADES[kind]).all(axis=2)] = ROOM_RGB[kind]
     return coloured
