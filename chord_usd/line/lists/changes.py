@@ -3,6 +3,7 @@ need, pairs of bedside tables, showers that one can stand in, seats that face th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
@@ -60,8 +61,7 @@ def _near(box: Box) -> Iterator[Box]:
 
 def at_walls(view: View, size: Size, step_m: float = WALL_STEP_M) -> Iterator[Box]:
     """A piece of this size with its back to each wall, every step_m, farther apart in halls."""
-    ends = np.array(view.shell.walls).reshape(-1, 2, 2)
-    around_m = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
+    around_m = sum(math.dist(start, end) for start, end in view.shell.walls)
     step_m = max(step_m, around_m / _WALL_PLACES)
     for start, end in view.shell.walls:
         yield from WallFrame.between(start, end).boxes(size, step_m)
