@@ -52,6 +52,7 @@ QUICK: dict[str, tuple[str, ...]] = {
         "reader")},
     "evaluate layouts": ("--n", "1", "--steps", "1", "--no-fid"),
     "evaluate ood": ("--n", "1", "--draws", "1", "--per-room", "1"),
+    "evaluate speed": ("--n", "1", "--steps", "1", "--no-fid"),
     "evaluate diversity": ("--n", "1", "--steps", "1", "--seeds", "2"),
     "evaluate plans": ("--count", "1"),
     "evaluate detector": ("--houses", "1"),

@@ -45,6 +45,7 @@ TINY: dict[str, str] = {
 TINY_OF: dict[str, dict[str, str]] = {
     "evaluate detector": {"--houses": "1"},
     "evaluate diversity": {"--seeds": "2"},
+    "evaluate speed": {"--sampler": "ddim"},
     "evaluate tabletops": {"--houses": "1"},
     "farm bundle": {"--samples": "8"},
     "batch": {"--seeds": "1"},

@@ -62,7 +62,7 @@ def fails(words: list[object], capsys: pytest.CaptureFixture[str]) -> str:
     return told.err
 
 
-@pytest.mark.parametrize("verb", ["layouts", "ood", "diversity"])
+@pytest.mark.parametrize("verb", ["layouts", "ood", "speed", "diversity"])
 @pytest.mark.parametrize(
     "damage", [truncated, empty, of_another_version, of_another_network, missing]
 )
@@ -75,7 +75,7 @@ def test_an_unusable_checkpoint_is_named(
     assert "Try:" in error
 
 
-@pytest.mark.parametrize("verb", ["layouts", "ood", "diversity"])
+@pytest.mark.parametrize("verb", ["layouts", "ood", "speed", "diversity"])
 def test_a_split_that_does_not_exist(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
     error = fails(["evaluate", verb, "--split", "validation"], capsys)
     assert "no split 'validation'" in error
@@ -88,11 +88,11 @@ def test_cuda_asked_for_and_absent(checkpoint: Path, capsys: pytest.CaptureFixtu
     assert "no CUDA device" in fails(words, capsys)
 
 
-@pytest.mark.parametrize("words", [["--steps", "0"], ["--sampler", "euler"]])
+@pytest.mark.parametrize("words", [["--steps", "5,x"], ["--steps", "0"], ["--sampler", "euler"]])
 def test_steps_and_samplers_that_are_none(
     words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert words[0] in fails(["evaluate", "layouts", *words], capsys)
+    assert words[0] in fails(["evaluate", "speed", *words], capsys)
 
 
 def test_a_folder_without_a_house(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -31,6 +31,7 @@ from chord_usd.workshop.evaluation import (
     ood_worst,
     realism,
     report,
+    speed,
 )
 from chord_usd.workshop.evaluation.cases import Case, folder_cases, procedural_cases
 from chord_usd.workshop.evaluation.collisions import collide, displace
@@ -293,6 +294,32 @@ class TestOod:
         assert scores.piou_colliding == max(each) > scores.piou_clean
         assert "+32.22%" in ood_worst.as_markdown(scores)
         json.dumps(ood_worst.as_data(scores))
+
+
+@pytest.fixture(scope="module")
+def speed_scores(model, cases):
+    return speed.measure_speed(model, cases[:1], layouts.Sampling(), (1, 3), ("ddim", "dpm"))
+
+
+class TestSpeed:
+    def test_every_sampler_runs_at_every_number_of_steps(self, speed_scores):
+        runs = [(run.sampler, run.steps) for run in speed_scores.runs]
+        assert runs == [("ddim", 1), ("ddim", 3), ("dpm", 1), ("dpm", 3)]
+        assert all(run.seconds > 0 and run.cpu_seconds > 0 for run in speed_scores.runs)
+        assert [run.same_pixels for run in speed_scores.runs if run.steps == 3] == [1.0, 1.0]
+        assert "| ddim | 3 |" in speed.as_markdown(speed_scores)
+        assert speed.plot(speed_scores).startswith(b"\x89PNG")
+
+    def test_the_fewest_steps_are_those_that_lose_nothing(self, speed_scores):
+        def run(steps, por):
+            good = {name: Score(0.0, 100, "") for name in speed.SCORES}
+            return replace(
+                speed_scores.runs[0], steps=steps, cpu_seconds=steps,
+                scores={**good, "por": Score(por, 100, "")},
+            )  # fmt: skip
+
+        runs = (run(5, 0.02), run(10, 0.0102), run(50, 0.01))
+        assert speed.fewest_steps(replace(speed_scores, runs=runs)) == ("ddim", 10)
 
 
 class TestDiversity:

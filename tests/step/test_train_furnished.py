@@ -44,15 +44,13 @@ def test_streams_hold_nothing_else(furnished_house: SceneGraph) -> None:
     assert [int(one.labels.max()) for one in stream.held_out(4)] == [0], "what sheets are of"
 
 
+@pytest.mark.parametrize("verb", ["lists", "boxes"])
 def test_a_run_learns_from_a_folder(
-    houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    verb: str, houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    command = ["train", "lists", "--furnished", str(houses), "-o", str(tmp_path / "run")]
-    command += ["--minutes", "0.01", "--batch", "2", "--processor-time", "--json"]
-    assert main(command) == 0
-    facts = json.loads(capsys.readouterr().out)
-    assert facts["processor_time"] is True
-    assert facts["furnished"] == len(TRAINED)
+    command = ["train", verb, "--furnished", str(houses), "-o", str(tmp_path / "run")]
+    assert main([*command, "--minutes", "0.01", "--batch", "2", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["furnished"] == len(TRAINED)
 
 
 def test_a_folder_may_be_too_small_to_hold_anything_out(
@@ -65,7 +63,7 @@ def test_a_folder_may_be_too_small_to_hold_anything_out(
     assert json.loads(capsys.readouterr().out)["held_out_nats"] is None
 
 
-@pytest.mark.parametrize("verb", ["plan2layout", "lists"])
+@pytest.mark.parametrize("verb", ["plan2layout", "lists", "boxes"])
 @pytest.mark.parametrize("wrong", ["missing", "bare", "houses", "flats"])
 def test_what_cannot_be_learned_from_is_refused(
     verb: str, wrong: str, houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

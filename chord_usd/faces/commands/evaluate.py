@@ -9,12 +9,13 @@ from chord_usd.faces.commands import (
     evaluate_layouts,
     evaluate_ood,
     evaluate_plans,
+    evaluate_speed,
     evaluate_tabletops,
 )
 from chord_usd.faces.commands.common import Verbs, add_group
 
 VERBS = (
-    evaluate_layouts, evaluate_ood, evaluate_diversity, evaluate_detector,
+    evaluate_layouts, evaluate_ood, evaluate_speed, evaluate_diversity, evaluate_detector,
     evaluate_plans, evaluate_tabletops, evaluate_floors,
 )  # fmt: skip
 

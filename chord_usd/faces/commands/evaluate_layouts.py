@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from chord_usd.base.runtime.progress import Stopwatch
 from chord_usd.faces.commands.common import (
     Outcome,
+    UsageError,
     Verbs,
     add_verb,
     stopwatch,
@@ -25,8 +26,8 @@ from chord_usd.faces.commands.evaluate_options import (
     add_plans,
     add_report,
     add_sampling,
+    load_boxes_or_lists,
     load_cases,
-    load_drawer,
     load_encoder,
     load_layout_model,
     load_lists_of,
@@ -61,6 +62,10 @@ def add(group: Verbs) -> None:
         help="score the lists alone, nothing painted, of each room the best of N",
     )  # fmt: skip
     parser.add_argument(
+        "--boxes", type=Path, metavar="DIR",
+        help="with --unpainted: a checkpoint of train boxes in place of the lists",
+    )  # fmt: skip
+    parser.add_argument(
         "--from", dest="source", type=Path, metavar="DIR",
         help="score the furnished houses of a folder of CHOrD JSON instead",
     )  # fmt: skip
@@ -74,6 +79,8 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.workshop.evaluation import layout_report, layouts
     from chord_usd.workshop.evaluation.cases import Case
 
+    if options.boxes and not options.unpainted:
+        raise UsageError("boxes are not painted over", where="--boxes", expected="--unpainted N")
     watch = stopwatch(options)
     warnings: list[str] = []
     encoder = load_encoder(options, warnings)
@@ -120,7 +127,7 @@ def _furnished(
             made_by = str(options.source) if options.source else "furnisher"
             return list(layouts.drawn(cases.cases, sampling)), made_by, replace(sampling, steps=0)
     if options.unpainted:
-        drawer = load_drawer(options)
+        drawer = load_boxes_or_lists(options)
         with watch.step("list"):
             found = list(layouts.listed(drawer, cases.cases, sampling, options.unpainted))
         return found, drawer.content_hash, replace(sampling, steps=0)

@@ -14,7 +14,7 @@ from chord_usd.faces.commands.paths import output_file
 
 if TYPE_CHECKING:
     from chord_usd.line.layout.sample import LayoutModel
-    from chord_usd.line.lists.list_sampler import ListDrawer
+    from chord_usd.line.lists.list_sampler import Drawer, ListDrawer
     from chord_usd.workshop.evaluation.cases import Cases
     from chord_usd.workshop.evaluation.encoders import Encoder
     from chord_usd.workshop.evaluation.layouts import Sampling
@@ -72,8 +72,17 @@ def load_drawer(options: argparse.Namespace) -> ListDrawer:
     return load_lists(options.lists or checkpoint_folder(LISTS_CHECKPOINT), PIECES)
 
 
+def load_boxes_or_lists(options: argparse.Namespace) -> Drawer:
+    """What lists rooms, nothing painted. Raises CheckpointError."""
+    if not options.boxes:
+        return load_drawer(options)
+    from chord_usd.workshop.training.boxes_sampler import load_boxes
+
+    return load_boxes(options.boxes)
+
+
 def load_lists_of(options: argparse.Namespace, model: LayoutModel) -> ListDrawer | None:
-    """The lists; None where the options, or how the model was trained, leave it to the model."""
+    """The same; None where the options, or how the model was trained, leave it to the model."""
     return load_drawer(options) if model.config.draft and not options.no_list else None
 
 

@@ -1,4 +1,4 @@
-"""evaluate plans: drawn pages of every kind, read back; or the real files of a folder."""
+"""evaluate plans: drawn plans in many styles, read back; or the real files of a folder."""
 
 from __future__ import annotations
 
@@ -34,6 +34,11 @@ def add(group: Verbs) -> None:
     )
     add_options(parser, seed="same seed, same drawings (0)")
     parser.add_argument(
+        "--clean",
+        action="store_true",
+        help="clean drawings in thirteen styles, by other means than those it is trained on",
+    )
+    parser.add_argument(
         "--real", type=Path, metavar="FOLDER",
         help="read the files of a folder instead, onto a sheet for eyes; NAME.json is NAME's truth",
     )  # fmt: skip
@@ -46,16 +51,24 @@ def run(options: argparse.Namespace) -> Outcome:
     if options.real is not None:
         return _run_real(options)
     from chord_usd.workshop.data.drawn.page_looks import KINDS
-    from chord_usd.workshop.evaluation.plans import as_markdown, measure_reading, summaries
+    from chord_usd.workshop.data.drawn.page_styles import FAMILIES
+    from chord_usd.workshop.evaluation.plans import (
+        as_markdown,
+        clean,
+        crowded,
+        measure_reading,
+        summaries,
+    )
     from chord_usd.workshop.evaluation.plans_records import Records
 
-    families = tuple(KINDS)
+    families = FAMILIES if options.clean else tuple(KINDS)
     records = Records(options.records, options.seed, families)
     watch = stopwatch(options)
     with watch.step("plans") as progress:
         scores = measure_reading(
-            _reader(), options.count, progress, families, options.seed, records.scores, records.keep
-        )
+            _reader(), options.count, progress, families, options.seed,
+            clean if options.clean else crowded, records.scores, records.keep,
+        )  # fmt: skip
     data = {"styles": summaries(scores), "seed": options.seed, "seconds": watch.seconds}
     return told(options, as_markdown(scores), data, {}, [])
 

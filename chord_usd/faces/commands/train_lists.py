@@ -1,4 +1,4 @@
-"""train lists: what is in a room or on a top, as a list."""
+"""train lists, train boxes: what is in a room, as a list and as boxes denoised."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _MOST_UNSEEN = 500
 
 
 def add(group: Verbs) -> None:
-    """Adds the verb to those of train."""
+    """Adds the verbs to those of train."""
     lists = add_verb(
         group, "lists", run_lists, "train the model that writes down what is in a room or on a top"
     )
@@ -47,6 +47,14 @@ def add(group: Verbs) -> None:
     add_processor_time(lists)
     add_houses(lists)
     add_furnished(lists)
+    boxes = add_verb(
+        group, "boxes", run_boxes, "train a diffusion of boxes, the baseline beside the lists"
+    )
+    add_training_options(boxes, minutes=60.0, batch=None)
+    add_flats(boxes)
+    add_processor_time(boxes)
+    add_houses(boxes)
+    add_furnished(boxes)
 
 
 def run_lists(options: argparse.Namespace) -> Outcome:
@@ -67,8 +75,21 @@ def run_lists(options: argparse.Namespace) -> Outcome:
     return Outcome(f"{data['checkpoint']}: {counted(facts['steps'], 'step')}", data)
 
 
+def run_boxes(options: argparse.Namespace) -> Outcome:
+    """Runs train boxes."""
+    from chord_usd.workshop.training.boxes_trainer import train_boxes
+
+    own = furnished_of(options)
+    config = _list_training(options, len(own))
+    task = _pieces(options, config.batch, own)
+    with stopwatch(options).step("train") as progress:
+        facts = train_boxes(config, options.output, task.batches, task.held_out, progress)
+    data = {"checkpoint": str(options.output / "checkpoint"), **facts}
+    return Outcome(f"{data['checkpoint']}: {counted(facts['steps'], 'step')}", data)
+
+
 def _list_training(options: argparse.Namespace, furnished: int) -> ListTraining:
-    """How lists are trained."""
+    """How lists, and boxes beside them, are trained."""
     from chord_usd.workshop.training.lists_trainer import ListTraining
 
     return replace(run_of(options, ListTraining()), houses=options.houses, furnished=furnished)

@@ -14,7 +14,7 @@ from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import Item, Plan, Room, RoomKind, SceneGraph
 from chord_usd.line.lists.home_programme import Programme, programme_of, toilets_elsewhere
-from chord_usd.line.lists.list_sampler import HEAT, Drawn, Heat, ListDrawer, Subject, without
+from chord_usd.line.lists.list_sampler import HEAT, Drawer, Drawn, Heat, Subject, without
 from chord_usd.line.lists.piece_words import ANY_M
 from chord_usd.line.lists.pieces import (
     PIECES,
@@ -52,7 +52,7 @@ class Drafts:
 
 def furnish_by_lists(
     plan: Plan,
-    drawer: ListDrawer,
+    drawer: Drawer,
     drafts: Drafts,
     asked: Mapping[str, Asked] | None = None,
     rooms: Iterable[str] | None = None,
@@ -95,7 +95,7 @@ class _Table:
 
     jobs: Sequence[tuple[Room, Around]]
     wishes: Sequence[Asked]
-    drawer: ListDrawer
+    drawer: Drawer
     drafts: Drafts
     rng: np.random.Generator
     clear: ClearFloors

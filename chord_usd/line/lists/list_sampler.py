@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -63,6 +63,19 @@ class Drawn:
     elements: tuple[Element, ...]
     likelihood: float
     """Log chance of all that was drawn."""
+
+
+class Drawer(Protocol):
+    """Whatever tells which pieces rooms hold, and where."""
+
+    content_hash: str
+    """Of its weights."""
+
+    def draw(
+        self, subjects: Sequence[Subject], rng: np.random.Generator, heat: Heat = HEAT
+    ) -> list[Drawn]:
+        """One list for each subject, all drawn together."""
+        raise NotImplementedError
 
 
 class ListDrawer:

@@ -43,7 +43,7 @@ from chord_usd.line.layout.device import in_batches
 from chord_usd.line.layout.draft import Draft
 from chord_usd.line.layout.sample import LayoutModel
 from chord_usd.line.lists.house import Drafts, furnish_by_lists
-from chord_usd.line.lists.list_sampler import ListDrawer
+from chord_usd.line.lists.list_sampler import Drawer, ListDrawer
 from chord_usd.line.pipeline.redraw import Draw
 from chord_usd.workshop.data.splits import split_hash
 from chord_usd.workshop.evaluation.cases import Case
@@ -187,7 +187,7 @@ def drawn(cases: Iterable[Case], sampling: Sampling) -> Iterator[Furnished]:
 
 
 def listed(
-    drawer: ListDrawer, cases: Iterable[Case], sampling: Sampling, drafts: int
+    drawer: Drawer, cases: Iterable[Case], sampling: Sampling, drafts: int
 ) -> Iterator[Furnished]:
     """What lists, or boxes, alone put in, nothing painted. Case i gets that seed plus i.
 

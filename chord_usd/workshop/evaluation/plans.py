@@ -1,4 +1,4 @@
-"""Drawn pages of every kind, read back: how right, how often refused, how often wrong unsaid."""
+"""Drawn plans in many styles, read back: how right, how often refused, how often wrong unsaid."""
 
 from __future__ import annotations
 
@@ -28,7 +28,10 @@ from chord_usd.base.scene.types import (
 from chord_usd.base.scene.units import m_from_px, px_from_m, rotation_2d
 from chord_usd.workshop.data.drawn.crowded import draw_page
 from chord_usd.workshop.data.drawn.page_looks import random_look
-from chord_usd.workshop.data.drawn.truth import CrowdedPage, without_seams
+from chord_usd.workshop.data.drawn.page_styles import random_style
+from chord_usd.workshop.data.drawn.styled_plans import Drawing, draw_in_style, without_seams
+from chord_usd.workshop.data.drawn.truth import CrowdedPage
+from chord_usd.workshop.data.houses import random_plan
 from chord_usd.workshop.data.splits import TEST_SEED
 from chord_usd.workshop.evaluation.report import markdown_table
 
@@ -44,6 +47,9 @@ class Reader:
     straightening: Callable[[Plan, tuple[int, ...]], FloatArray]
     """(3, 3) from continuous pixels of a picture of a shape (H, W) to those once straightened."""
 
+
+_FIRST_SEED = 900_000
+"""Far from the seeds that houses are trained on."""
 
 _SEED_STEP = 10_000
 
@@ -97,14 +103,15 @@ class PlanScore:
 
 def measure_reading(
     reader: Reader, count: int, progress: Progress,
-    families: Sequence[str], seed: int,
+    families: Sequence[str], seed: int, draw: Callable[[str, int, int], Case],
     known: Mapping[int, PlanScore] | None = None,
     keep: Callable[[int, PlanScore], None] | None = None,
 ) -> list[PlanScore]:  # fmt: skip
     """Draw count plans of every family and read them. Same seed, same drawings.
 
-    families: kinds of pages. known: scores by the page's number, which are not read again; keep:
-    gets every new one.
+    families: kinds of crowded pages, or styles of clean drawings. draw: makes the case of a family,
+    a seed and a number: crowded or clean. known: scores by the drawing's number, which are not read
+    again; keep: told of every new one.
     """
     scores = []
     total = count * len(families)
@@ -112,7 +119,7 @@ def measure_reading(
         score = (known or {}).get(number)
         if score is None:
             family = families[number % len(families)]
-            case = crowded(family, seed, number)
+            case = draw(family, seed, number)
             score = score_reading(case, reader)
             if keep:
                 keep(number, score)
@@ -126,6 +133,21 @@ def crowded(family: str, seed: int, number: int) -> Case:
     number += TEST_SEED + _SEED_STEP * seed
     page = draw_page(number, random_look(np.random.default_rng(number), family))
     return crowded_case(page, family)
+
+
+def clean(family: str, seed: int, number: int) -> Case:
+    """A clean drawing in a style."""
+    rng = np.random.default_rng([_FIRST_SEED + seed, number])
+    plan = random_plan(rng)
+    return clean_case(draw_in_style(plan, random_style(rng, family), rng))
+
+
+def clean_case(drawing: Drawing) -> Case:
+    """A clean drawing and its truth."""
+    return Case(
+        drawing.style.family, drawing.rgb, (drawing.truth,), drawing.frame, drawing.to_picture,
+        drawing.told,
+    )  # fmt: skip
 
 
 def crowded_case(page: CrowdedPage, family: str = "") -> Case:

@@ -28,13 +28,14 @@ from chord_usd.workshop.data.drawn.masonry import Masonry, build
 from chord_usd.workshop.data.drawn.open_kitchens import with_open_kitchen
 from chord_usd.workshop.data.drawn.page_looks import Look, random_look
 from chord_usd.workshop.data.drawn.stairs import Flight, draw_stairs, with_stairs
+from chord_usd.workshop.data.drawn.styled_plans import without_seams
 from chord_usd.workshop.data.drawn.surroundings import (
     draw_neighbours,
     draw_outdoors,
     draw_page_furniture,
 )
 from chord_usd.workshop.data.drawn.symbols import draw_items
-from chord_usd.workshop.data.drawn.truth import CrowdedPage, DrawnStorey, without_seams
+from chord_usd.workshop.data.drawn.truth import CrowdedPage, DrawnStorey
 from chord_usd.workshop.data.drawn.wear import Picture, worn
 from chord_usd.workshop.data.furnish import furnish
 from chord_usd.workshop.data.houses import random_plan

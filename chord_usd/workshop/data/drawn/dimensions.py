@@ -10,9 +10,10 @@ from shapely.geometry import Polygon
 
 from chord_usd.base.raster.page_labels import WRITING
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.workshop.data.drawn.labelled_canvas import RGB, Canvas
+from chord_usd.workshop.data.drawn.labelled_canvas import Canvas
 from chord_usd.workshop.data.drawn.masonry import Masonry
 from chord_usd.workshop.data.drawn.page_looks import Look
+from chord_usd.workshop.data.drawn.page_styles import RGB
 from chord_usd.workshop.data.drawn.page_words import SIZE_STYLES, ink_of, room_name, room_size
 
 _SMALLEST_PX = 7

@@ -15,9 +15,10 @@ from chord_usd.base.raster.page_labels import FLOOR, WALL
 from chord_usd.base.runtime.locations import materials_folder
 from chord_usd.base.scene.geometry import polygons_of
 from chord_usd.base.scene.types import ByteArray, RoomKind
-from chord_usd.workshop.data.drawn.labelled_canvas import RGB, Canvas
+from chord_usd.workshop.data.drawn.labelled_canvas import Canvas
 from chord_usd.workshop.data.drawn.masonry import Masonry
 from chord_usd.workshop.data.drawn.page_looks import Look, WallFill
+from chord_usd.workshop.data.drawn.page_styles import RGB
 
 _KIND_RGB: dict[RoomKind, tuple[RGB, ...]] = {
     "living": ((255, 222, 222), (250, 235, 200), (255, 245, 190), (200, 200, 200)),

@@ -12,8 +12,7 @@ from shapely.geometry.base import BaseGeometry
 from chord_usd.base.raster.page_labels import LAID_SHIFT
 from chord_usd.base.scene.geometry import polygons_of
 from chord_usd.base.scene.types import BoolArray, ByteArray, FloatArray
-
-RGB = tuple[int, int, int]
+from chord_usd.workshop.data.drawn.page_styles import RGB
 
 _SHIFT = 3
 """Binary digits behind the point in OpenCV's coordinates."""

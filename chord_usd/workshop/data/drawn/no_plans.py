@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 
 from chord_usd.base.scene.types import ByteArray, FloatArray, frozen_array
-from chord_usd.workshop.data.drawn.labelled_canvas import RGB
 from chord_usd.workshop.data.drawn.page_looks import Look, random_look
+from chord_usd.workshop.data.drawn.page_styles import RGB
 from chord_usd.workshop.data.drawn.page_words import ink_of, room_name, title
 from chord_usd.workshop.data.drawn.truth import CrowdedPage
 from chord_usd.workshop.data.drawn.wear import Picture, worn

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chord_usd.workshop.data.drawn.labelled_canvas import RGB
+from chord_usd.workshop.data.drawn.page_styles import RGB
 
 WallFill = Literal["solid", "hollow", "hatched", "crossed", "dotted", "grey", "layered", "brick"]
 DoorKind = Literal[

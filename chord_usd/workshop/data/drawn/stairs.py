@@ -17,9 +17,10 @@ from shapely.geometry.base import BaseGeometry
 from chord_usd.base.raster.page_labels import NOTHING, STAIRS, WRITING
 from chord_usd.base.scene.geometry import polygons_of
 from chord_usd.base.scene.types import FloatArray, RoomKind
-from chord_usd.workshop.data.drawn.labelled_canvas import RGB, Canvas
+from chord_usd.workshop.data.drawn.labelled_canvas import Canvas
 from chord_usd.workshop.data.drawn.masonry import Masonry
 from chord_usd.workshop.data.drawn.page_looks import Look
+from chord_usd.workshop.data.drawn.page_styles import RGB
 from chord_usd.workshop.data.drawn.page_words import ink_of
 
 FlightForm = Literal["straight", "winders", "L", "U", "spiral"]

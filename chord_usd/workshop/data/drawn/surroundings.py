@@ -13,9 +13,10 @@ from chord_usd.base.raster.page_labels import WRITING
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.workshop.data.drawn.dimensions import write
 from chord_usd.workshop.data.drawn.fills import fill_wall, tiles
-from chord_usd.workshop.data.drawn.labelled_canvas import RGB, Canvas, rectangle
+from chord_usd.workshop.data.drawn.labelled_canvas import Canvas, rectangle
 from chord_usd.workshop.data.drawn.masonry import Masonry
 from chord_usd.workshop.data.drawn.page_looks import Look
+from chord_usd.workshop.data.drawn.page_styles import RGB
 from chord_usd.workshop.data.drawn.page_words import room_name, title
 from chord_usd.workshop.data.drawn.symbols import plant
 

@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from chord_usd.base.raster.page_labels import LAID_SHIFT, WRITING
 from chord_usd.base.scene.types import ByteArray, FloatArray
-from chord_usd.workshop.data.drawn.labelled_canvas import RGB
 from chord_usd.workshop.data.drawn.page_looks import Look
+from chord_usd.workshop.data.drawn.page_styles import RGB
 
 
 @dataclass(frozen=True, eq=False)
