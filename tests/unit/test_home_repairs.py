@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from chord_usd.base.metrics.clear_floor import blocked_openings
@@ -19,6 +20,7 @@ from chord_usd.base.metrics.design.home_rules import (
     TELEVISION,
     WARDROBES,
 )
+from chord_usd.base.metrics.design.leaves import before_leaves
 from chord_usd.base.metrics.design.price import tight
 from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import View, view_home
@@ -248,3 +250,21 @@ def test_what_parts_two_doors_counts_as_tight() -> None:
         for deep in (0.6, 1.1)
     )
     assert (tight(wide), tight(narrow)) == (0, 1)
+
+
+def test_a_chair_before_a_flap_is_moved() -> None:
+    """A table for two, a chair of which stands before a shoe cabinet by the wall."""
+    room = Room("room", "dining", frozen_array([(0, 0), (2.2, 0), (2.2, 3.7), (0, 3.7)]))
+    pieces = (
+        ("shoe_cabinet", Box((2.03, 0.55, 0.0), (1.1, 0.34, 1.1), -90.0)),
+        ("dining_table", Box((1.6, 1.85, 0.0), (0.85, 0.8, 0.75), 0.0)),
+        ("chair", Box((1.55, 1.2, 0.0), (0.48, 0.48, 0.9), 180.0)),
+        ("chair", Box((1.55, 2.5, 0.0), (0.48, 0.48, 0.9), 0.0)),
+    )
+    items = tuple(Item(f"room/{name}_{at}", name, box, "room")
+                  for at, (name, box) in enumerate(pieces))  # fmt: skip
+    before = View(shells((room,), ())["room"], items)
+    assert np.argwhere(before_leaves(before)).tolist() == [[2, 0]]
+    after = improved(before, lambda _: 0.0, changes_of(before))
+    assert not before_leaves(after).any()
+    assert seats_at(after) == 2

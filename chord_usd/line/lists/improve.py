@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from chord_usd.base.metrics.design.leaves import leaf_floors, opens, stand_before
 from chord_usd.base.metrics.design.price import TIGHT, beyond_walls, quick_price, tight
-from chord_usd.base.metrics.design.shell import APART_M, TOUCH_M, Rects
+from chord_usd.base.metrics.design.shell import APART_M, TOUCH_M
 from chord_usd.base.metrics.design.view import View
-from chord_usd.base.metrics.fronts import OPENING, SWING_M
 from chord_usd.base.metrics.overlap import overlaps_by_nature
-from chord_usd.base.scene.types import BoolArray, Item
+from chord_usd.base.scene.types import Item
 from chord_usd.line.lists.changes import Change, Propose
 
 LEAST_GAIN = 1e-6
@@ -55,24 +55,6 @@ def improved(
     return view
 
 
-def _stand_before(view: View, others: View) -> BoolArray:
-    """(N, M) which pieces of one view stand where leaves of others swing."""
-    meets: BoolArray = view.rects.depths(_fronts(others)) > TOUCH_M
-    return meets & view.stands[:, None] & _opens(others)[None]
-
-
-def _opens(view: View) -> BoolArray:
-    return np.array([name in OPENING for name in view.categories], np.bool_)
-
-
-def _fronts(view: View) -> Rects:
-    """The floor before each piece that its leaves need to open."""
-    half = np.stack([np.maximum(view.length / 2 - 2 * TOUCH_M, 0.0),
-                     np.full(len(view.items), SWING_M / 2)], axis=-1)  # fmt: skip
-    at = view.at + view.front * (view.depth / 2 + SWING_M / 2)[:, None]
-    return Rects(at, view.right, view.front, half)
-
-
 def _keeping(view: View, changes: Iterable[Change]) -> list[Change]:
     """Those of some changes that leave what the plan shows as it is."""
     locked = {id(item) for item in view.items if item.facts.locked}
@@ -98,7 +80,7 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
         return list(changes)
     fresh = View(view.shell, tuple(new))
     beside = stays[change_of]
-    shut = _stand_before(fresh, view) | _stand_before(view, fresh).T
+    shut = stand_before(fresh, view) | stand_before(view, fresh).T
     deep = (fresh.rects.depths(view.rects) > APART_M) & beside
     for one, at in np.argwhere(deep):
         deep[one, at] = not overlaps_by_nature(new[one], view.items[at])
@@ -112,8 +94,8 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
         for one in first[into].tolist():
             together[one] |= not overlaps_by_nature(new[one], new[one + step])
         for a, b in ((first, first + step), (first + step, first)):
-            meets = fresh.rects.of(a).depths_each(_fronts(fresh).of(b)) > TOUCH_M
-            together[first] |= meets & fresh.stands[a] & _opens(fresh)[b]
+            meets = fresh.rects.of(a).depths_each(leaf_floors(fresh).of(b)) > TOUCH_M
+            together[first] |= meets & fresh.stands[a] & opens(fresh)[b]
     wrong = (shut & beside).any(axis=1) | together | deep.any(axis=1) | blocks.any(axis=1)
     wrong |= beyond_walls(fresh.corners, view.shell) > TOUCH_M
     refused = set(number[wrong].tolist())

@@ -14,6 +14,7 @@ from chord_usd.base.metrics.complete import WALLED
 from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.bedroom_rules import WARDROBE_RULES, bedside, wardrobes
 from chord_usd.base.metrics.design.dining_rules import chairs_of
+from chord_usd.base.metrics.design.leaves import before_leaves
 from chord_usd.base.metrics.design.living_rules import SINGLES
 from chord_usd.base.metrics.design.price import conflicts
 from chord_usd.base.metrics.design.shell import TOUCH_M
@@ -101,9 +102,10 @@ def moved(view: View) -> Iterator[Change]:
 
 
 def _clashing(view: View) -> set[str]:
-    """Ids of pieces in others, in walls or before openings, as showers before windows are: what a
-    room cannot do without is not left out for that."""
-    wrong = (conflicts(view) > TOUCH_M).any(axis=1)
+    """Ids of pieces in others, in walls, before openings or leaves, and of those with such leaves: as
+    showers before windows, what a room cannot do without is not left out for that."""
+    shut = before_leaves(view)
+    wrong = (conflicts(view) > TOUCH_M).any(axis=1) | shut.any(axis=1) | shut.any(axis=0)
     return {item.id for item, is_wrong in zip(view.items, wrong, strict=True) if is_wrong}
 
 

@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
+from chord_usd.base.metrics.design.leaves import before_leaves
 from chord_usd.base.metrics.design.rule import Rule, judge
 from chord_usd.base.metrics.design.shell import CELL_M, TOUCH_M, Shell, inside
 from chord_usd.base.metrics.design.view import HomeView, View, distances, view_home
@@ -64,9 +65,10 @@ def home_price(home: HomeView) -> float:
 
 
 def tight(view: View) -> int:
-    """How many pieces stand in others, in walls or before openings, how many parts of the floor
-    pieces cut off, and how many ways: an estimate that is fast enough for every draft."""
-    return int((conflicts(view) > TOUCH_M).any(axis=1).sum()) + cut_off(view)
+    """How many pieces stand in others, in walls, before openings or leaves, how many parts of the
+    floor pieces cut off, and how many ways: an estimate that is fast enough for every draft."""
+    wrong = (conflicts(view) > TOUCH_M).any(axis=1) | before_leaves(view).any(axis=1)
+    return int(wrong.sum()) + cut_off(view)
 
 
 def cut_off(view: View) -> int:
