@@ -102,8 +102,8 @@ def moved(view: View) -> Iterator[Change]:
 
 
 def _clashing(view: View) -> set[str]:
-    """Ids of pieces in others, in walls, before openings or leaves, and of those with such leaves: as
-    showers before windows, what a room cannot do without is not left out for that."""
+    """Ids of pieces in others, in walls, before openings or leaves, and of pieces with such leaves:
+    as showers before windows, what a room cannot do without is not left out for that."""
     shut = before_leaves(view)
     wrong = (conflicts(view) > TOUCH_M).any(axis=1) | shut.any(axis=1) | shut.any(axis=0)
     return {item.id for item, is_wrong in zip(view.items, wrong, strict=True) if is_wrong}
