@@ -20,9 +20,9 @@ from chord_usd.base.metrics.design.home_rules import (
     TELEVISION,
     WARDROBES,
 )
-from chord_usd.base.metrics.design.leaves import before_leaves
 from chord_usd.base.metrics.design.price import tight
 from chord_usd.base.metrics.design.shell import shells
+from chord_usd.base.metrics.design.shut_leaves import before_leaves
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.metrics.violations import room_faults

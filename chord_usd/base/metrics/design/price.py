@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
-from chord_usd.base.metrics.design.leaves import before_leaves
 from chord_usd.base.metrics.design.rule import Rule, judge
 from chord_usd.base.metrics.design.shell import CELL_M, TOUCH_M, Shell, inside
+from chord_usd.base.metrics.design.shut_leaves import before_leaves
 from chord_usd.base.metrics.design.view import HomeView, View, distances, view_home
 from chord_usd.base.metrics.overlap import overlaps_by_nature
 from chord_usd.base.scene.types import ByteArray, FloatArray, SceneGraph
