@@ -35,7 +35,9 @@ from chord_usd.faces.commands.train_options import (
     add_training_options,
     device_of,
     furnished_of,
+    judges_of,
     run_of,
+    start_of,
     unseen_of,
 )
 
@@ -44,6 +46,9 @@ if TYPE_CHECKING:
     from chord_usd.workshop.training.detector_data import Sample
     from chord_usd.workshop.training.stream import BatchStream
     from chord_usd.workshop.training.trainer import LayoutTrainer
+
+_READER_CROPS = 24
+"""Held-out crops that the reader is scored on."""
 
 _SYMBOL_CROPS = 96
 """Held-out crops of about seven metres that drawn pieces are scored on."""
@@ -165,6 +170,8 @@ def _run_named(run: Run, verb: str, options: argparse.Namespace) -> Outcome:
         "detector": f"detector_{getattr(options, 'kind', '')}",
         "lists": "things" if getattr(options, "of", "") == "things" else "lists",
     }
+    if getattr(options, "start", None):
+        options.start = start_of(options)
     try:
         return run(options)
     finally:
@@ -311,7 +318,7 @@ def run_reader(options: argparse.Namespace) -> Outcome:
     flats = read_flats(options.flats, part="train") if options.flats else []
     watch = stopwatch(options)
     with watch.step("draw"):
-        crops = held_out(24)
+        crops = held_out(judges_of(options, _READER_CROPS))
     with watch.step("train") as progress:
         facts = train_reader(
             config, options.output, crops, progress, start=options.start, flats=flats
@@ -328,7 +335,7 @@ def run_symbols(options: argparse.Namespace) -> Outcome:
     device_of(options)
     watch = stopwatch(options)
     with watch.step("draw"):
-        crops = held_out(_SYMBOL_CROPS)
+        crops = held_out(judges_of(options, _SYMBOL_CROPS))
     with watch.step("train") as progress:
         facts = train_symbols(
             run_of(options, SymbolsTraining()), options.output, crops, progress, options.start

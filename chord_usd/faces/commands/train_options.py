@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from chord_usd.base.errors import SceneError
+from chord_usd.base.errors import CheckpointError, SceneError
+from chord_usd.base.runtime.locations import RUN_CHECKPOINT, checkpoint_folder
 from chord_usd.faces.commands.common import Parser, UsageError, add_output, positive, whole_number
 from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import optional_input, output_run
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 _MOST_WORKERS = 15
 """A GPU learns from as many pages as so many processes draw."""
+
+_JUDGES_A_MINUTE = 4
 
 ConfigT = TypeVar("ConfigT", bound="RunConfig | TrainingConfig")
 
@@ -137,8 +140,27 @@ def add_start(parser: Parser) -> None:
         "--start",
         type=optional_input,
         metavar="DIR",
-        help="checkpoint to start from where no run is there",
+        help="checkpoint to start from where no run is there; checkpoints/NAME: what ships",
     )
+
+
+def start_of(options: argparse.Namespace) -> Path:
+    """What --start names, checkpoints/NAME also outside of a checkout; a run that goes on needs
+    none. Raises CheckpointError."""
+    start: Path = options.start
+    if start.exists() or (options.output / RUN_CHECKPOINT).is_dir():
+        return start
+    if start.parent.name == "checkpoints":
+        return checkpoint_folder(start.name)
+    raise CheckpointError(
+        "there is no checkpoint", where=str(start), expected="a folder with safetensors weights",
+        try_="--start checkpoints/reader, a shipped one",
+    )  # fmt: skip
+
+
+def judges_of(options: argparse.Namespace, most: int) -> int:
+    """How many held-out examples score a run: few where it is short, since they are drawn first."""
+    return max(2, min(most, round(_JUDGES_A_MINUTE * options.minutes)))
 
 
 def device_of(options: argparse.Namespace) -> str:
