@@ -36,14 +36,15 @@ def test_walking_a_stair_is_even_steps_of_the_rule(case: tuple[str, str, float, 
     assert RISE_M[0] - 1e-9 <= stair.rise_m <= RISE_M[1] + 1e-9
     assert GOING_M[0] - 1e-6 <= stair.going_m <= GOING_M[1] + 1e-6
     line = LineString(stair.walk_m[:, :2])
-    places = [to_world(stair.stair.box, np.asarray(t.area_m.exterior.coords)) for t in stair.treads]
+    rings = [to_world(stair.stair.box, np.asarray(t.area_m.exterior.coords)) for t in stair.treads]
+    places = [Polygon(ring).buffer(1e-3) for ring in rings]
     heights = [0.0]
     for along in np.arange(0.0, line.length, 0.02):
         point: Point = line.interpolate(along)
         under = [
             tread.top_m
-            for tread, ring in zip(stair.treads, places, strict=True)
-            if Polygon(ring).buffer(1e-3).covers(point) and tread.top_m < heights[-1] + 1.0
+            for tread, place in zip(stair.treads, places, strict=True)
+            if tread.top_m < heights[-1] + 1.0 and place.covers(point)
         ]
         if under:
             heights.append(max(under))
