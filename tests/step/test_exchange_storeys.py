@@ -16,6 +16,7 @@ from chord_usd.base.scene.stacking import stack
 from chord_usd.base.scene.stair_elements import StairForm
 from chord_usd.base.scene.stair_forms import build_stair
 from chord_usd.base.scene.storeys import STOREY_M
+from chord_usd.base.scene.types import Plan
 from chord_usd.line.plan.read import read_storey_plans
 from chord_usd.line.stage.author.author_stage import author_levels
 from chord_usd.line.stage.author.stage_levels import levels_of
@@ -39,31 +40,35 @@ def staged(
     return given, path
 
 
-@pytest.mark.parametrize("package", ["ifc", "dxf"])
 @pytest.mark.parametrize(
     ("seed", "storeys", "forms"),
-    [(0, 3, FORMS), (1, 2, FORMS), (2, 2, FORMS), (5, 2, FORMS), (0, 2, SPIRAL), (3, 2, SPIRAL)],
+    [(0, 3, FORMS), (2, 2, FORMS), (5, 2, FORMS), (3, 2, SPIRAL)],
 )
 def test_storeys_and_stairs_come_back(
-    package: str, seed: int, storeys: int, forms: Sequence[StairForm], tmp_path: Path
+    seed: int, storeys: int, forms: Sequence[StairForm], tmp_path: Path
 ) -> None:
     given, house = staged(seed, storeys, tmp_path, forms)
-    target = tmp_path / f"house.{package}"
-    export_stage(house, target, package)
-    found = read_storey_plans(target, None)
-    assert len(found) == storeys
-    for one, wanted in zip(found, given, strict=True):
-        assert likeness(one.plan, wanted.plan).holds(0.01), likeness(one.plan, wanted.plan)
-        ups, wanted_ups = (
-            [stair for stair in stairs_of(plan, "") if stair.leads == "up"]
-            for plan in (one.plan, wanted.plan)
-        )
-        for up, known in zip(ups, wanted_ups, strict=True):
-            assert (up.form, up.turn) == (known.form, known.turn)
-            # Of a box that is larger than it has to be only what the steps take up is told.
-            area, wanted_area = (build_stair(one, STOREY_M).area_m for one in (up, known))
-            assert area.symmetric_difference(wanted_area).area < 0.08 * wanted_area.area
-            assert np.cos(np.radians(up.box.yaw_deg - known.box.yaw_deg)) > 0.99
+    for package in ("ifc", "dxf"):
+        target = tmp_path / f"house.{package}"
+        export_stage(house, target, package)
+        found = read_storey_plans(target, None)
+        assert len(found) == storeys
+        for one, wanted in zip(found, given, strict=True):
+            check_storey(one.plan, wanted.plan)
+
+
+def check_storey(plan: Plan, wanted: Plan) -> None:
+    """Rooms, openings and stairs that lead up are those of the other plan."""
+    assert likeness(plan, wanted).holds(0.01), likeness(plan, wanted)
+    ups, wanted_ups = (
+        [stair for stair in stairs_of(one, "") if stair.leads == "up"] for one in (plan, wanted)
+    )
+    for up, known in zip(ups, wanted_ups, strict=True):
+        assert (up.form, up.turn) == (known.form, known.turn)
+        # Of a box that is larger than it has to be only what the steps take up is told.
+        area, wanted_area = (build_stair(one, STOREY_M).area_m for one in (up, known))
+        assert area.symmetric_difference(wanted_area).area < 0.08 * wanted_area.area
+        assert np.cos(np.radians(up.box.yaw_deg - known.box.yaw_deg)) > 0.99
 
 
 def test_maps_of_storeys_are_joined_by_stairs(tmp_path: Path) -> None:
@@ -86,7 +91,7 @@ def test_maps_of_storeys_are_joined_by_stairs(tmp_path: Path) -> None:
     assert stair["rise"] == pytest.approx(STOREY_M)
 
 
-@pytest.mark.parametrize(("seed", "forms"), [(1, FORMS), (2, FORMS), (0, SPIRAL)])
+@pytest.mark.parametrize(("seed", "forms"), [(2, FORMS), (0, SPIRAL)])
 def test_stairs_can_be_stood_on_in_mujoco(
     seed: int, forms: Sequence[StairForm], tmp_path: Path
 ) -> None:

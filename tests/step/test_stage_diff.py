@@ -17,9 +17,16 @@ from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.read.diff import diff_stages
 
 
+@pytest.fixture(scope="module")
+def written(staged_graph: SceneGraph, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("before")
+    return author_stage(staged_graph, folder / "before.usda", seed=3).path
+
+
 @pytest.fixture
-def before(staged_graph: SceneGraph, tmp_path: Path) -> Path:
-    return author_stage(staged_graph, tmp_path / "before.usda", seed=3).path
+def before(written: Path, tmp_path: Path) -> Path:
+    shutil.copytree(written.parent, tmp_path, dirs_exist_ok=True)
+    return tmp_path / written.name
 
 
 def changed(graph: SceneGraph, number: int, item: Item | None) -> SceneGraph:
