@@ -24,7 +24,7 @@ from chord_usd.base.scene.units import rotation_2d
 from chord_usd.workshop.data.furnish import furnish
 from chord_usd.workshop.data.houses import random_plan
 
-HOUSES = 500
+HOUSES = 250
 
 AT_A_WALL = frozenset(
     ("cabinet", "bed_background", "bedside_table", "tv_cabinet", "sofa_background",
