@@ -24,9 +24,9 @@ def text_page() -> np.ndarray:
     page = blank()
     write(page, "Lease of a flat", 60, 60, 0.9)
     words = ["the", "tenant", "keeps", "kitchen", "bedroom", "and", "bathroom", "in", "repair"]
-    for row in range(26):
+    for row in range(12):
         line = " ".join(words[(row * 3 + n) % len(words)] for n in range(13))
-        write(page, line, 60, 100 + 20 * row)
+        write(page, line, 60, 100 + 45 * row)
     return page
 
 
@@ -111,12 +111,12 @@ def seating() -> np.ndarray:
     page = blank()
     cv2.ellipse(page, (450, 60), (260, 34), 0, 0, 180, INK, 2)
     write(page, "STAGE", 420, 60, 0.6)
-    for row in range(9):
-        for n in range(20):
-            x, y = 110 + 34 * n, 140 + 48 * row
+    for row in range(5):
+        for n in range(12):
+            x, y = 110 + 56 * n, 140 + 86 * row
             cv2.rectangle(page, (x, y), (x + 22, y + 22), INK, 1)
             write(page, str(n + 1), x + 4, y + 15, 0.3)
-        write(page, "ABCDEFGHI"[row], 80, 156 + 48 * row)
+        write(page, "ABCDE"[row], 80, 156 + 86 * row)
     return page
 
 

@@ -164,19 +164,14 @@ def test_a_scene_with_an_unknown_category(
     assert "hoverboard" in done.stderr
 
 
-@pytest.mark.parametrize("mode", ["RGBA", "L", "I;16", "P"])
-def test_any_depth_and_transparency_of_a_plan_is_read(
+@pytest.mark.parametrize("mode", ["RGBA", "L"])
+def test_a_plan_without_its_colours_or_with_transparency_is_read(
     mode: str, tmp_path: Path, furnished_house, run_cli: RunCli
 ) -> None:
-    """These are no mistakes: scanners and drawing programs save such files."""
+    """Other depths: test_every_pixel_format_is_read_alike."""
     plan = furnished_house.plan
     picture = Image.fromarray(draw_plan(plan, shade=False).rgb).resize((1024, 1024), 0)
-    if mode == "I;16":
-        grey = np.asarray(picture.convert("L")).astype(np.uint16) * 257
-        picture = Image.fromarray(grey)
-    else:
-        picture = picture.convert(mode)
-    picture.save(tmp_path / "plan.png")
+    picture.convert(mode).save(tmp_path / "plan.png")
     done = run_cli("plan", "read", tmp_path / "plan.png", "-o", tmp_path / "plan.json", "--json")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["rooms"] == len(_separate_rooms(plan))

@@ -14,6 +14,7 @@ from plan_symbols import draw_storeys
 from tests.exit_codes import written
 
 RunCli = Callable[..., "subprocess.CompletedProcess[str]"]
+QUICK = ("--steps", 2, "--redraws", 0, "--no-tabletop", "--no-dressing")
 
 
 @pytest.fixture
@@ -24,7 +25,7 @@ def sheet(tmp_path: Path) -> Path:
 
 def test_generate_takes_a_part_and_says_what_is_uncertain(sheet: Path, run_cli: RunCli) -> None:
     done = run_cli(
-        "generate", sheet, "-o", sheet.with_name("house.usda"), "--part", 2, "--steps", 4, "--json"
+        "generate", sheet, "-o", sheet.with_name("house.usda"), "--part", 2, *QUICK, "--json"
     )
     told = written(done)
     assert told["rooms"] == 2

@@ -21,7 +21,7 @@ from chord_usd.workshop.data.storey_houses import random_storeys
 from tests.exit_codes import written
 
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
-QUICK = ("--steps", 2, "--progress", "none", "--json")
+QUICK = ("--steps", 2, "--progress", "none", "--json", "--no-tabletop")
 
 
 @pytest.fixture(scope="module")
