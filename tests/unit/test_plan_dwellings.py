@@ -29,6 +29,11 @@ def test_flats_on_a_stair_are_dwellings_and_the_stair_is_common():
         # A hall within a flat, with a door to the landing.
         (["corridor", *FLAT, "corridor"], [(0, 1), (0, 2), (0, 3), (0, 4)]),
         ([*FLAT], [(0, 1), (0, 2)]),
+        # A hall, and a kitchen with a bath that no door joins to it.
+        (["corridor", *FLAT, "kitchen", "bathroom"], [(0, 1), (1, 2), (1, 3), (4, 5)]),
+        # A wing of bedroom, bath and breakfast nook.
+        (["corridor", *FLAT, "kitchen", "bedroom", "bathroom", "dining"],
+         [(0, 1), (1, 2), (1, 3), (1, 4), (0, 5), (5, 6), (5, 7)]),
         (["corridor", "unknown"], []),
     ],
 )  # fmt: skip

@@ -1,8 +1,9 @@
 """Which rooms of a plan are whose: a stair or landing that homes hang on is common to them.
 
 A home has a bath, and a kitchen or a room to sit in. Where a corridor is taken away and two or more
-parts of the house are homes by themselves, the corridor is common, and so are the parts that are
-none: lifts, stores, the stair behind a landing. A bedroom with its bath is no home.
+parts of the house that hung on it are homes by themselves, the corridor is common, and so are the
+parts that are none: lifts, stores, the stair behind a landing. A bedroom with its bath is no home, and neither is a
+wing with a table alone beside a part that has a kitchen.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ def dwellings_of(kinds: Sequence[RoomKind], pairs: Sequence[tuple[int, int]]) ->
     for hall, kind in enumerate(kinds):
         if kind != "corridor":
             continue
-        homes = [part for part in _without(hall, len(kinds), pairs) if _is_home(part, kinds)]
+        homes = _homes(hall, kinds, pairs)
         if len(homes) > max(1, len(best)):
             best = homes
     numbers = [1 if not best else 0] * len(kinds)
@@ -57,10 +58,18 @@ def dwellings_of(kinds: Sequence[RoomKind], pairs: Sequence[tuple[int, int]]) ->
     return numbers
 
 
-def _without(hall: int, count: int, pairs: Sequence[tuple[int, int]]) -> list[list[int]]:
-    """Rooms that hang together once one of them is taken away."""
+def _homes(
+    hall: int, kinds: Sequence[RoomKind], pairs: Sequence[tuple[int, int]]
+) -> list[list[int]]:
+    """The parts that are homes once a corridor is taken away on which they hang."""
     left = [pair for pair in pairs if hall not in pair]
-    return [sorted(part) for part in hanging_together(count, left) if hall not in part]
+    beside = {room for pair in pairs if hall in pair for room in pair} - {hall}
+    parts = [sorted(part) for part in hanging_together(len(kinds), left) if beside & set(part)]
+    homes = [part for part in parts if _is_home(part, kinds)]
+    seats = [{kinds[room] for room in part} & _SEATS for part in homes]
+    if not any("kitchen" in one for one in seats):
+        return homes
+    return [part for part, one in zip(homes, seats, strict=True) if one != {"dining"}]
 
 
 def _is_home(rooms: Collection[int], kinds: Sequence[RoomKind]) -> bool:

@@ -36,7 +36,7 @@ _BARE = 0.12
 """Share of pages without furniture that stay so."""
 _KINDS = {"furnished": 0.4, "coloured": 0.2, "photoreal": 0.3, "pastel": 0.1}
 """Kinds of page that show much furniture; half of the pages are of these."""
-_TILED, _FAINT, _WHITE = 0.25, 0.2, 235
+_TILED, _FAINT, _WHITE = 0.25, 0.3, 235
 """Shares of pages whose wet rooms are tiled, and whose furniture is drawn in light grey, on paper
 of this level or lighter."""
 _ANYWHERE = 0.12
@@ -250,7 +250,7 @@ def _drawn(seed: int, rng: np.random.Generator) -> CrowdedPage:
     if own.random() < _TILED:
         look = replace(look, wet_tiles=1.0)
     if own.random() < _FAINT and min(look.paper_rgb) > _WHITE:
-        red, green, blue = (int(v) for v in np.full(3, own.uniform(140, 195)))
+        red, green, blue = (int(v) for v in np.full(3, own.uniform(140, 215)))
         look = replace(look, piece_rgb=(red, green, blue))
     if look.pieces == "none" and rng.random() > _BARE:
         look = replace(look, pieces="lines")

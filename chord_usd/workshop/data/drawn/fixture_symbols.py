@@ -22,6 +22,9 @@ from chord_usd.workshop.data.drawn.symbol_shapes import (
     taper,
 )
 
+_OPEN_SHOWERS = 0.35
+"""Share of showers without a tray."""
+
 
 def toilet(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     """Cistern and bowl, a bowl on the wall, squarish ones."""
@@ -155,7 +158,7 @@ def shower(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     half, back = length / 2, depth / 2
     body: Polygon = rectangle(length, depth)
     side = float(rng.choice([-1, 1]))
-    if rng.random() < 0.15:
+    if rng.random() < _OPEN_SHOWERS:
         return _open_shower(half, back, side, rng)
     shapes: Shapes = []
     if rng.random() < 0.3:  # round, or cut at the corner that lies open
@@ -208,14 +211,29 @@ def _fall(body: Polygon, half: float, back: float, rng: np.random.Generator) -> 
 
 
 def _open_shower(half: float, back: float, side: float, rng: np.random.Generator) -> Shapes:
-    """Without a tray: a head on its arm, and a screen at one side or in front."""
-    reach, radius = rng.uniform(0.2, 0.45), rng.uniform(0.05, 0.1)
-    head = oval(0, back - reach - radius, radius, radius)
-    arms: Shapes = [line((x, back), (x, back - reach)) for x in (-0.015, 0.015)]
+    """Without a tray: a head on its arm, with or without tiles and a screen at a side or in front."""
+    shapes: Shapes = []
     screen = box(side * half, -back, side * (half - 0.03), back)
-    if rng.random() < 0.4:
+    where = int(rng.integers(4))
+    if where == 0:
         screen = box(-half, -back, half, 0.03 - back)
-    return [screen, head, *arms, box(-0.08, back - 0.03, 0.08, back)]
+    if where < 3:
+        shapes.append(screen)
+    if rng.random() < 0.4:
+        step = rng.uniform(0.2, 0.45)
+        shapes += [line((-half, y), (half, y)) for y in np.arange(step - back, back, step)]
+        shapes += [line((x, -back), (x, back)) for x in np.arange(step - half, half, step)]
+    reach, radius = rng.uniform(0.1, 0.45), rng.uniform(0.05, 0.16)
+    x = float(rng.choice([0.0, 0.0, rng.uniform(-0.5, 0.5) * half]))
+    head = oval(x, back - reach - radius, radius, radius)
+    shapes.append(head)
+    if rng.random() < 0.4:
+        shapes.append(scaled(head, rng.uniform(0.3, 0.75)))
+    wide = float(rng.choice([0.0, 0.015, 0.03]))
+    shapes += [line((x + off, back), (x + off, back - reach)) for off in sorted({-wide, wide})]
+    if rng.random() < 0.4:
+        shapes.append(box(x - 0.08, back - 0.03, x + 0.08, back))
+    return shapes
 
 
 def bidet(length: float, depth: float, rng: np.random.Generator) -> Shapes:

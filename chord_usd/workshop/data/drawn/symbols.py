@@ -40,6 +40,8 @@ _SOLID, _SMALL_M2 = 0.12, 0.05
 
 _HUNG = 0.3
 """Share of hands that dash cabinets above worktops."""
+_BROKEN, _BROKEN_M = 0.12, (0.04, 0.12)
+"""Share of hands that draw furniture, not fixtures, in broken strokes, and their lengths."""
 _BIDETS = 0.15
 """Share of WCs with a bidet beside them."""
 
@@ -63,6 +65,8 @@ class Hand:
     few symbols, each drawn by itself."""
     is_solid: bool = False
     """Inner shapes, such as rings and bowls, are filled with ink."""
+    broken_m: float = 0.0
+    """Length of the strokes in which furniture is drawn; 0: unbroken."""
     colors: dict[str, RGB] = field(default_factory=dict)
 
     def color(self, category: str) -> RGB | None:
@@ -144,6 +148,8 @@ def _vary(hand: Hand, canvas: Canvas, items: tuple[Item, ...]) -> None:
     hand.habit = int(rng.integers(1 << 30))
     hand.is_round = False
     hand.is_solid = bool(rng.random() < _SOLID)
+    if rng.random() < _BROKEN:
+        hand.broken_m = float(rng.uniform(*_BROKEN_M))
     thick = max(1, round(rng.uniform(0.01, 0.03) * canvas.px_per_m))
     hand.line_px = int(rng.choice([1, 1, thick]))
     if hand.has_worktop_lines:
@@ -180,6 +186,7 @@ def _draw_item(canvas: Canvas, item: Item, hand: Hand) -> None:
     if fill is not None:
         _fill_body(canvas, placed[0], fill, hand)
     has_lines = look.pieces != "photo" or rng.random() < 0.4
+    dash_m = 0.0 if item.category in FIXTURES else hand.broken_m
     for index, shape in enumerate(placed):
         if index and fill is not None and isinstance(shape, Polygon) and rng.random() < 0.7:
             shade = rng.integers(-30, 45)
@@ -190,7 +197,7 @@ def _draw_item(canvas: Canvas, item: Item, hand: Hand) -> None:
         if not index and item.category in having("worktop") and not hand.has_worktop_lines:
             continue
         if has_lines:
-            canvas.outline(shape, look.piece_rgb, hand.line_px)
+            canvas.outline(shape, look.piece_rgb, hand.line_px, dash_m)
 
 
 def _is_small(shape: BaseGeometry) -> bool:
