@@ -19,10 +19,12 @@ NAMES: dict[RoomKind, str] = {
     "|LIVINGROOM|L0UNGE|Receptlon Room|Llving Room|Open plan living|Media Room|Play Room"
     "|Game Room|Conservatory|Snug|客餐厅|居間|Living Rm 12'0\" x 14'6\""
     "|Open-Plan Kitchen/Living/Dining Room|Køkken-alrum|LIVING DINING|Wohnküche"
-    "|Wohnbereich",
+    "|Wohnbereich"
+    "|Obývací pokoj|Obyvacka|Dnevna soba|Dnevni boravak|Nappali|Oturma Odası|Phòng khách",
     "dining": "Dining|Esszimmer|Salle à manger|Comedor|Sala de jantar|MATPLATS|Ruokailutila|餐厅"
     "|Dining Area|Breakfast Room|Breakfast Nook|Eetkamer|Sala da pranzo|Jadalnia"
-    "|Spisestue|Столовая|식당|פינת אוכל|Dinning Room|ダイニング|Formal Dining",
+    "|Spisestue|Столовая|식당|פינת אוכל|Dinning Room|ダイニング|Formal Dining"
+    "|Jídelna|Jedilnica|Étkező|Yemek odası",
     "bedroom": "Master Bedroom 2|bed 3|Schlafzimmer|Chambre 1|Dormitorio|Quarto|SOVRUM 1|Makuuhuone"
     "|MH2|主卧|洋室 6帖|和室|Primary Bedroom|Primary|Primary Suite|Principal Bedroom"
     "|Owner's Suite|Guest|Guest Room|Kids Room|BEDR00M 2|Bedrom|Bed room|BEDROOM I"
@@ -31,13 +33,15 @@ NAMES: dict[RoomKind, str] = {
     "|Pokój 2|Pokój dziecięcy|Soveværelse|Værelse 2|Soverom 3|Hovedsoverom|Sov 2|Спальня"
     "|Детская|Комната 2|침실1|안방|작은방|חדר שינה|子供部屋|次卧|儿童房|Suíte 1"
     "|Bedroom 1 with ensuite|Chambre parentale|Dormitório 2|Double Bedroom|Bdrm #2|BR 2"
-    "|Nursery|Schlafen|Maids Room",
+    "|Nursery|Schlafen|Maids Room"
+    "|Ložnice|Spálňa|Spalnica|Spavaća soba 2|Hálószoba|Yatak Odası|Dormitor 1|Phòng ngủ 2",
     "kitchen": "Kitchen|Küche|Cuisine|Cocina|Cozinha|KÖK|Keittiö|厨房|台所|DK|Kitchen / Dining Room"
     "|Kitchen Diner|Kitchen/Breakfast Room|Kitchen Dining Room|KITCHENDINER|K1tchen"
     "|Kitchn|Keuken|Woonkeuken 2|Cucina|Angolo cottura|Kuchnia|Aneks kuchenny"
     "|Kuchnia z jadalnią|Køkken|Køkken/bryggers|Kjøkken|Кухня|주방|주방/식당|מטבח"
     "|キッチン|Gourmet Kitchen|Eat-in Kitchen|Cozinha/ Serviço|Kochen / Essen|Kit."
-    "|Kitchenette",
+    "|Kitchenette"
+    "|Kuchyně|Kuchyna|Kuhinja|Konyha|Mutfak|Bucătărie|Bếp",
     "bathroom": "Bathroom|Bad|Salle de bain|Salle d'eau|Baño|Casa de banho|Banheiro"
     "|BADRUM|Kylpyhuone|KH|卫生间|浴室|En-suite"
     "|Ensuite Shower Room|Master Bath|Primary Bath|Bath 2|Family Bathroom"
@@ -45,20 +49,24 @@ NAMES: dict[RoomKind, str] = {
     "|Douche|Bagno|Bagno 2|Antibagno|Łazienka|Lazienka|WC/Bad|Badeværelse"
     "|Toilet/bad|Dusj|Ванная|Санузел|С/У|욕실|화장실|חדר רחצה|주방욕실"
     "|主卧卫生间|Elternbad|Duschbad|Master En Suite|Bedroom 1 Ensuite"
-    "|Jack & Jill Bath|Sauna|Bathrm|Baderom",
+    "|Jack & Jill Bath|Sauna|Bathrm|Baderom"
+    "|Koupelna|Kúpeľňa|Kopalnica|Kupaonica|Fürdő|Banyo|Baie",
     "washroom": "洗面所|Utility Room|Laundry|Bijkeuken|Lavanderia|Bryggers|Vaskerom|다용도실"
     "|Hauswirtschaftsraum|Laundry/Mech|Buanderie",
     "wc": "WC|Gäste-WC|トイレ|W.C.|w/c|Half Bath|Powder Room|Pwdr|Toilet|Toaleta|Туалет"
-    "|שירותים|公卫",
+    "|שירותים|公卫"
+    "|Záchod|Tuvalet",
     "balcony": "Balcony|Terrasse|Balcon|Balcón|Varanda|BALKONG|Parveke|阳台|バルコニー|Patio|Deck"
     "|Covered Porch|Roof Terrace|Dachterrasse|Balkon|Dakterras|Balcone|Terrazzo|Taras"
     "|Altan|Overdækket terrasse|Балкон|Лоджия|발코니|베란다|מרפסת|北阳台|Bedroom Balcony"
-    "|Loggia",
+    "|Loggia"
+    "|Lodžia|Lođa|Erkély|Ban công",
     "corridor": "Hall|Landing|Flur|Couloir|Entrée|Pasillo|Corredor|ENTRÉ|Eteinen|ET|走廊|玄関"
     "|First Floor Landing|Entrance Hall|Mud Room|Mud|Foyer|Stairs|Gang|Hal|Overloop"
     "|Ingresso|Disimpegno|Corridoio|Przedpokój|Wiatrołap|Korytarz|Fordelingsgang|Vindfang"
     "|Entre/gang|Прихожая|Коридор|Холл|현관|복도|כניסה|מסדרון|廊下|过道|Vorzimmer"
-    "|Stairwell|Circulation|Inner Hallway|Entry Hall|廊下玄",
+    "|Stairwell|Circulation|Inner Hallway|Entry Hall|廊下玄"
+    "|Chodba|Předsíň|Hodnik|Predsoblje|Előszoba|Koridor",
     "study": "Study|Home Office|Büro|Bureau|Despacho|Escritório|Arbetsrum|Työhuone|书房|Den|Office"
     "|Library|Werkkamer|Studeerkamer|Ufficio|Gabinet|Kontor|Кабинет|서재|חדר עבודה|書斎"
     "|Hjemmekontor|Study Area|Arbeiten",
@@ -69,7 +77,8 @@ NAMES: dict[RoomKind, str] = {
     "|Ripostiglio|Cabina armadio|Garderoba|Spiżarnia|Pom. gospodarcze"
     "|Kotłownia|Bod|Walk-in|Гардеробная|Кладовая|드레스룸|창고"
     "|מחסן|חדר ארונות|シューズクローク|クローゼット|衣帽间|主卧衣帽间|Storage 1"
-    "|Store Room|Abst.|STORAG|Placard",
+    "|Store Room|Abst.|STORAG|Placard"
+    "|Šatník|Komora|Gardrób|Kiler",
     "unknown": "Garden|BH=700|LD:930|LD: 930|LD 930|DK=900|OH 2400|ET.2100|KH+850|MH=2.40 m"
     "|13 m²|SIZES ARE APPROXIMATE|First Floor|Ground Floor Plan|Third Floor"
     "|12 Church Street, London|Bath Road|Hall Lane 7|Badstraße 5|Kitchenaid"

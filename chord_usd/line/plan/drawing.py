@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import shapely
-from shapely.geometry import Point, Polygon
+from shapely.geometry import Polygon
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.locations import checkpoint_folder
@@ -46,6 +46,7 @@ from chord_usd.line.plan.doubts import (
     named_rooms,
     refuse_nonsense,
 )
+from chord_usd.line.plan.false_borders import without_false_borders, without_pieces
 from chord_usd.line.plan.fitted import Fit, fit
 from chord_usd.line.plan.floor_parts import part_floors
 from chord_usd.line.plan.home_graph import dwellings_of, work_names
@@ -59,7 +60,7 @@ from chord_usd.line.plan.regions import Outline, is_stairwell, stair_outlines
 from chord_usd.line.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.line.plan.seen import Reader, SeenReading, read_seen
 from chord_usd.line.plan.seen_kinds import SeenKinds, seen_kinds
-from chord_usd.line.plan.seen_pieces import FOLLOWING, PIECES_CHECKPOINT, as_items, load_finder
+from chord_usd.line.plan.seen_pieces import SeenPiece, found_on, pieces_within
 from chord_usd.line.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
 from chord_usd.line.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.line.plan.storey_titles import titled
@@ -220,23 +221,25 @@ class NoSuchPartError(PlanError):
 
 def _read_part(page: _Page) -> _Found:
     """One plan of a sheet, with its scale, names and doubts. Raises PlanError."""
-    reading, told = _take_part(read_seen(page.segments, page.given), page.part)
+    reading, told = _take_part(_whole(read_seen(page.segments, page.given), page), page.part)
     scale = _scale(reading, page)
     for _ in range(_READINGS):
         if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) <= _REREAD:
             break
-        reading, told = _take_part(reading.again(scale.m_per_px), page.part)
+        reading, told = _take_part(_whole(reading.again(scale.m_per_px), page), page.part)
         # What is a room says, in turn, which printed sizes are heard.
         again = _scale(reading, page)
         scale = again if again.is_printed else scale
     page = replace(page, is_home=page.is_home and not told)
+    found = found_on(page.sheet, scale.m_per_px)
+    reading = _without_pieces(reading, page, scale.m_per_px, found)
     fitted = _fitted(reading, page, scale) if scale.is_printed else None
     if fitted is not None:
         reading, scale = reading.with_fit(fitted), replace(scale, m_per_px=fitted.m_per_px)
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
-    refuse_nonsense([o.polygon_px for o in reading.outlines], reading.regions, frame)
+    refuse_nonsense(reading.polygons_px, reading.regions, frame)
     seen = seen_kinds(page.segments.kinds, frame)
-    pieces = _pieces(reading, page, frame)
+    pieces = pieces_within(found, reading.polygons_px, page.sheet, frame)
     plan, parted = _plan(reading, page, frame, _Seen(seen, pieces))
     if is_all_guessed(plan):
         raise _no_room()
@@ -255,7 +258,7 @@ def _read_part(page: _Page) -> _Found:
     extra |= {DRAWN_STAIRS: stairs} if stairs else {}
     extra |= {DRAWN: to_entry(pieces)} if pieces else {}
     plan = replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
-    corners = np.concatenate([outline.polygon_px for outline in reading.outlines])
+    corners = np.concatenate(reading.polygons_px)
     bounds = np.array([corners.min(axis=0), corners.max(axis=0)])
     return _Found(plan, bounds)
 
@@ -287,7 +290,7 @@ def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]
     """One plan of the sheet, and what to say if there are more. Raises PlanError."""
     if not reading.outlines:
         raise _no_room()
-    parts = parts_of([outline.polygon_px for outline in reading.outlines], reading.regions)
+    parts = parts_of(reading.polygons_px, reading.regions)
     if part > len(parts):
         raise NoSuchPartError(
             f"part {part} was asked for, but the sheet shows {len(parts)}",
@@ -300,16 +303,36 @@ def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]
     return chosen, [f"{_SHOWS}{len(parts)} plans; {which}, --part N takes another"]
 
 
+def _whole(reading: SeenReading, page: _Page) -> SeenReading:
+    """With floors joined that no wall parts."""
+    return without_false_borders(reading, _are_named(reading, page))
+
+
+def _without_pieces(
+    reading: SeenReading, page: _Page, m_per_px: float, found: Sequence[SeenPiece]
+) -> SeenReading:
+    """With floors joined to others that are furniture, or niches of baths."""
+    frame = replace(reading.frame, m_per_px=m_per_px)
+    pieces = pieces_within(found, reading.polygons_px, page.sheet, frame)
+    whole = without_pieces(reading, _are_named(reading, page), pieces, frame)
+    return reading if whole is reading else _take_part(whole, page.part)[0]
+
+
+def _are_named(reading: SeenReading, page: _Page) -> list[bool]:
+    """Whether a name, or a stair, says what each room is for."""
+    return [room.kind != "unknown" for room in _named_rooms(reading, page, reading.frame)]
+
+
 def _fitted(reading: SeenReading, page: _Page, scale: Scale) -> Fit:
     """Walls where printed sizes put them, which say the scale, too."""
-    polygons = [outline.polygon_px for outline in reading.outlines]
+    polygons = reading.polygons_px
     texts, thickness = _beside(page.texts, polygons), reading.regions.thickness_px
     moves = scale.count >= _LEAST_FITTED
     return fit(polygons, reading.openings, texts, scale.m_per_px, thickness, moves)
 
 
 def _scale(reading: SeenReading, page: _Page) -> Scale:
-    polygons = [outline.polygon_px for outline in reading.outlines]
+    polygons = reading.polygons_px
     printed = estimates(_beside(page.texts, polygons), polygons, page.ink)
     known, shrink = page.known, page.sheet.shrink
     if known.stated_m_per_px:
@@ -412,20 +435,6 @@ class _Seen:
 
     kinds: SeenKinds
     pieces: Sequence[Item]
-
-
-def _pieces(reading: SeenReading, page: _Page, frame: PixelFrame) -> list[Item]:
-    """Furniture and fixtures that are drawn in the reading's rooms, the surest first."""
-    per_px = page.sheet.fine_per_px
-    fine = replace(frame, m_per_px=frame.m_per_px / per_px, height_px=page.sheet.fine.shape[0])
-    finder = load_finder(checkpoint_folder(PIECES_CHECKPOINT))
-    seen = finder.find(on_white(page.sheet.fine), fine.m_per_px)
-    rooms = [Polygon(m_from_px(o.polygon_px, frame)) for o in reading.outlines]
-    house = shapely.union_all([room.buffer(0) for room in rooms])
-    return [
-        one for one in as_items(seen, fine)
-        if one.category not in FOLLOWING and house.covers(Point(one.box.center_m[:2]))
-    ]  # fmt: skip
 
 
 def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]]]:

@@ -2,8 +2,8 @@
 
 A home has a bath, and a kitchen or a room to sit in. Where a corridor is taken away and two or more
 parts of the house that hung on it are homes by themselves, the corridor is common, and so are the
-parts that are none: lifts, stores, the stair behind a landing. A bedroom with its bath is no home, and neither is a
-wing with a table alone beside a part that has a kitchen.
+parts that are none: lifts, stores, the stair behind a landing. A bedroom with its bath is no home,
+and neither is a wing with a table alone beside a part that has a kitchen.
 """
 
 from __future__ import annotations

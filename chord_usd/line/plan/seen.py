@@ -11,6 +11,7 @@ import numpy as np
 from chord_usd.base.scene.types import (
     WALL_THICKNESS_M,
     ByteArray,
+    FloatArray,
     Opening,
     PixelFrame,
 )
@@ -47,6 +48,11 @@ class SeenReading:
     frame: PixelFrame
 
     @property
+    def polygons_px(self) -> list[FloatArray]:
+        """(N, 2) corners of each room."""
+        return [outline.polygon_px for outline in self.outlines]
+
+    @property
     def doors_m_per_px(self) -> float | None:
         """By the usual inner door; None where too few are seen."""
         doors = [o for o in self.openings if o.kind == "door" and len(o.rooms) == 2]
@@ -80,6 +86,10 @@ class SeenReading:
     def again(self, m_per_px: float) -> SeenReading:
         """At another scale, which changes what is large enough for a room."""
         return _opened(self.segments, self.regions, replace(self.frame, m_per_px=m_per_px))
+
+    def with_regions(self, regions: Regions) -> SeenReading:
+        """With other floors, at the same scale."""
+        return _opened(self.segments, regions, self.frame)
 
     def placed(self, room_ids: Sequence[str], frame: PixelFrame) -> tuple[Opening, ...]:
         """The openings in the walls of rooms."""

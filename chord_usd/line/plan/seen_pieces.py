@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
 import cv2
 import numpy as np
 import numpy.typing as npt
+import shapely
+from shapely.geometry import Point, Polygon
 
 from chord_usd.base.errors import CheckpointError
 from chord_usd.base.raster.page_labels import (
@@ -20,10 +22,12 @@ from chord_usd.base.raster.page_labels import (
     PIECE_STEP_PX,
     READER_INPUT,
 )
+from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.runtime.networks import Network, load_network
 from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import Box, ByteArray, FloatArray, Item, PixelFrame
 from chord_usd.base.scene.units import m_from_px, wrap_deg
+from chord_usd.line.plan.sheet import Sheet, on_white
 
 PIECES_CHECKPOINT = "symbols"
 _REMEDY = "chord-usd train symbols, or reinstall chord-usd"
@@ -173,3 +177,25 @@ def as_items(pieces: Iterable[SeenPiece], frame: PixelFrame) -> list[Item]:
         box = Box((x, y, row.mount_height_m), (length, depth, sum(row.height_m) / 2), yaw_deg)
         found.append(Item("", piece.category, box, score=piece.chance))
     return found
+
+
+def found_on(sheet: Sheet, m_per_px: float) -> list[SeenPiece]:
+    """What the checkpoint's finder sees on a sheet's fine picture. m_per_px: of the working one."""
+    finder = load_finder(checkpoint_folder(PIECES_CHECKPOINT))
+    return finder.find(on_white(sheet.fine), m_per_px / sheet.fine_per_px)
+
+
+def pieces_within(
+    found: Iterable[SeenPiece], floors_px: Iterable[FloatArray], sheet: Sheet, frame: PixelFrame
+) -> list[Item]:
+    """Of what was found on a sheet's fine picture, the pieces on floors, in metres; no chairs.
+
+    floors_px: (N, 2) corners of each. frame: of the working picture."""
+    height_px = sheet.fine.shape[0]
+    fine = replace(frame, m_per_px=frame.m_per_px / sheet.fine_per_px, height_px=height_px)
+    rooms = [Polygon(m_from_px(corners, frame)) for corners in floors_px]
+    house = shapely.union_all([room.buffer(0) for room in rooms])
+    return [
+        one for one in as_items(found, fine)
+        if one.category not in FOLLOWING and house.covers(Point(one.box.center_m[:2]))
+    ]  # fmt: skip

@@ -188,15 +188,38 @@ def _sampled(
 # Profiles ----------------------------------------------------------------------------------------
 
 
-def _in_wall(wall: _Wall, segments: Segments, least_px: float) -> Iterator[WallOpening]:
-    """The openings of a wall."""
+def borders_between(
+    polygons_px: Sequence[FloatArray], segments: Segments, thickness_px: float
+) -> dict[tuple[int, int], FloatArray]:
+    """By pairs of rooms the length of what parts them, and how much of it is no wall, and a door,
+    pixels."""
+    edges = [edge for room, polygon in enumerate(polygons_px) for edge in _edges(room, polygon)]
+    found: dict[tuple[int, int], FloatArray] = {}
+    for wall in _walls(edges, segments, thickness_px):
+        if wall.other is not None:
+            first, second = sorted((wall.edge.room, wall.other.room))
+            profile = _profile(wall, segments)
+            sums = [1.0, 1.0 - profile[WALL].mean(), profile[DOOR].mean()]
+            added = (wall.high - wall.low) * np.array(sums)
+            found[first, second] = found.get((first, second), np.zeros(3)) + added
+    return found
+
+
+def _profile(wall: _Wall, segments: Segments) -> FloatArray:
+    """(7, N) shares of what is built, pixel by pixel along a wall, averaged across it."""
     along = np.arange(wall.low + 0.5, wall.high, 1.0)
     across = np.array(_ACROSS) * wall.depth
     profile = np.stack([
         _sampled(plane, wall.edge, along, across).mean(axis=1) for plane in segments.built
     ])  # fmt: skip
     profile /= _HEEDED[:, None]
-    profile /= profile.sum(axis=0)
+    return np.asarray(profile / profile.sum(axis=0))
+
+
+def _in_wall(wall: _Wall, segments: Segments, least_px: float) -> Iterator[WallOpening]:
+    """The openings of a wall."""
+    along = np.arange(wall.low + 0.5, wall.high, 1.0)
+    profile = _profile(wall, segments)
     is_open = profile[WALL] < _IS_WALL
     for first, last in _runs(is_open):
         part = profile[:, first : last + 1]

@@ -1,0 +1,131 @@
+"""Floors that furniture, rugs and photographs cut in two become whole again.
+
+Between rooms there is a wall with a door in it, or an opening with jambs. Where most of what parts
+two floors is neither wall nor door, one of them is unsure and has no name, and that border is much
+of its rim, the border is the edge of a table, a bed or a rug. A floor that a piece of furniture
+covers is that piece, and one that a bath or a shower covers is the niche of the bathroom it opens
+into.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import cv2
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.types import BoolArray, FloatArray, Item, PixelFrame
+from chord_usd.base.scene.units import m_from_px
+from chord_usd.line.plan.regions import Labels, Regions
+from chord_usd.line.plan.seen import SeenReading
+from chord_usd.line.plan.wall_openings import borders_between
+
+_OPEN, _DOOR = 0.65, 0.15
+"""Of a border, the least share that is no wall, and the greatest that is a door."""
+_OF_RIM = 0.16
+"""...and its least share of the rim of the floor that is unsure."""
+_UNSURE = 0.66
+"""Greatest confidence of such a floor."""
+_REACH = 2.0
+"""What parts two floors is filled up to so many thicknesses of a wall."""
+
+_FURNITURE = frozenset(("bed", "sofa", "single_sofa", "dining_table", "table", "coffee_table"))
+_NICHES = frozenset(("bathtub", "shower"))
+_COVERED = 0.55
+"""Least share of a floor that is a piece, or its niche."""
+_NICHE_OPEN = 0.5
+"""Least share of a niche's border with its bathroom that is no wall."""
+
+Borders = Mapping[tuple[int, int], FloatArray]
+
+
+def without_false_borders(reading: SeenReading, named: Sequence[bool]) -> SeenReading:
+    """A reading with floors joined that no wall parts. named: whether each room has a name."""
+    rims = [Polygon(polygon).length for polygon in reading.polygons_px]
+    pairs = []
+    for pair, sums in _borders(reading).items():
+        length, is_open, is_door = sums.tolist()
+        is_false = is_open >= _OPEN * length and is_door <= _DOOR * length
+        unsure = [
+            room for room in pair
+            if not named[room] and reading.outlines[room].confidence <= _UNSURE
+        ]  # fmt: skip
+        if is_false and any(length >= _OF_RIM * rims[room] for room in unsure):
+            pairs.append(pair)
+    return _joined(reading, pairs)
+
+
+def without_pieces(
+    reading: SeenReading, named: Sequence[bool], pieces: Sequence[Item], frame: PixelFrame
+) -> SeenReading:
+    """A reading without floors that are furniture, baths or showers.
+
+    named: whether each room has a name. pieces: what is drawn, metres. frame: of the reading."""
+    borders: Borders = {}
+    pairs = []
+    for room, polygon in enumerate(reading.polygons_px):
+        floor = Polygon(m_from_px(polygon, frame)).buffer(0)
+        for names, least_open in ((_FURNITURE, 0.0), (_NICHES, _NICHE_OPEN)):
+            own = [footprint_polygon(one.box) for one in pieces if one.category in names]
+            covered = shapely.union_all(own).intersection(floor).area
+            if named[room] or covered < _COVERED * floor.area:
+                continue
+            borders = borders or _borders(reading)
+            pairs += _widest(room, borders, least_open)
+    return _joined(reading, pairs)
+
+
+def _widest(room: int, borders: Borders, least_open: float) -> list[tuple[int, int]]:
+    """The pair of a room and the one that most of its rim lies at, or opens into if it has to."""
+    sizes = {
+        pair: float(sums[1] if least_open else sums[0])
+        for pair, sums in borders.items()
+        if room in pair and sums[1] >= least_open * sums[0]
+    }
+    return [max(sizes, key=lambda pair: sizes[pair])] if sizes else []
+
+
+def _borders(reading: SeenReading) -> Borders:
+    return borders_between(reading.polygons_px, reading.segments, reading.regions.thickness_px)
+
+
+def _joined(reading: SeenReading, pairs: Sequence[tuple[int, int]]) -> SeenReading:
+    """A reading with pairs of rooms, by index, as one floor each."""
+    if not pairs:
+        return reading
+    regions = reading.regions
+    labels, solid = regions.labels.copy(), regions.solid.copy()
+    numbers = [_number_of(polygon, labels) for polygon in reading.polygons_px]
+    reach = max(2, round(_REACH * regions.thickness_px))
+    for one, other in pairs:
+        first, second = numbers[one], numbers[other]
+        if 0 in (first, second) or first == second:
+            continue
+        gap = _between(labels == first, labels == second, reach) & (labels == 0)
+        labels[gap | (labels == second)] = first
+        solid[gap] = False
+        numbers = [first if number == second else number for number in numbers]
+    return reading.with_regions(Regions(labels, solid, regions.thickness_px))
+
+
+def _number_of(polygon_px: FloatArray, labels: Labels) -> int:
+    """The number of a room's region."""
+    inner = Polygon(polygon_px).representative_point()
+    return int(labels[int(inner.y), int(inner.x)])
+
+
+def _between(first: BoolArray, second: BoolArray, reach_px: int) -> BoolArray:
+    """(H, W) what lies between two regions along a row or a column, no farther from either."""
+    found = np.zeros(first.shape, bool)
+    for size, ends in (((reach_px, 1), ((0, 0), (reach_px - 1, 0))),
+                       ((1, reach_px), ((0, 0), (0, reach_px - 1)))):  # fmt: skip
+        kernel = np.ones(size[::-1], np.uint8)
+        grown = [
+            [cv2.dilate(mask.astype(np.uint8), kernel, anchor=end) > 0 for end in ends]
+            for mask in (first, second)
+        ]
+        found |= (grown[0][0] & grown[1][1]) | (grown[0][1] & grown[1][0])
+    return found
