@@ -65,6 +65,7 @@ from chord_usd.line.plan.segment import READER_CHECKPOINT, PageReader, Segments,
 from chord_usd.line.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.line.plan.storey_titles import titled
 from chord_usd.line.plan.text import Text, read_texts, warm_up
+from chord_usd.line.plan.verdict import JOINED
 
 _OPEN_M = 1.2
 """Wider than a door."""
@@ -239,7 +240,7 @@ def _read_part(page: _Page) -> _Found:
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
     refuse_nonsense(reading.polygons_px, reading.regions, frame)
     seen = seen_kinds(page.segments.kinds, frame)
-    pieces = pieces_within(found, reading.polygons_px, page.sheet, frame)
+    pieces = pieces_within(found, reading, page.sheet, frame)
     plan, parted = _plan(reading, page, frame, _Seen(seen, pieces))
     if is_all_guessed(plan):
         raise _no_room()
@@ -257,6 +258,7 @@ def _read_part(page: _Page) -> _Found:
     extra: dict[str, Any] = {DRAWING: entry, SCALE: scale.report(sheet.shrink)}
     extra |= {DRAWN_STAIRS: stairs} if stairs else {}
     extra |= {DRAWN: to_entry(pieces)} if pieces else {}
+    extra |= {JOINED: reading.joined} if reading.joined else {}
     plan = replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
     corners = np.concatenate(reading.polygons_px)
     bounds = np.array([corners.min(axis=0), corners.max(axis=0)])
@@ -313,7 +315,7 @@ def _without_pieces(
 ) -> SeenReading:
     """With floors joined to others that are furniture, or niches of baths."""
     frame = replace(reading.frame, m_per_px=m_per_px)
-    pieces = pieces_within(found, reading.polygons_px, page.sheet, frame)
+    pieces = pieces_within(found, reading, page.sheet, frame)
     whole = without_pieces(reading, _are_named(reading, page), pieces, frame)
     return reading if whole is reading else _take_part(whole, page.part)[0]
 
@@ -383,7 +385,7 @@ def _plan(
         if page.known.is_open:
             return plan, []
         spots = {room.id: uses_named(room, page.texts, frame) for room in rooms}
-        parted, told, failed = part_floors(plan, uses, spots, seen.kinds)
+        parted, told, failed = part_floors(plan, uses, spots, seen.kinds, seen.pieces)
         if failed <= banned:
             return parted, [*_said_of(parted, work), *told]
         banned |= failed

@@ -34,8 +34,9 @@ _REACH = 2.0
 
 _FURNITURE = frozenset(("bed", "sofa", "single_sofa", "dining_table", "table", "coffee_table"))
 _NICHES = frozenset(("bathtub", "shower"))
-_COVERED = 0.55
-"""Least share of a floor that is a piece, or its niche."""
+_COVERED, _WITHIN = 0.55, 0.65
+"""Least share of a floor that is a piece, or its niche, that the piece covers; and of the piece
+that lies on it."""
 _NICHE_OPEN = 0.5
 """Least share of a niche's border with its bathroom that is no wall."""
 
@@ -70,8 +71,11 @@ def without_pieces(
         floor = Polygon(m_from_px(polygon, frame)).buffer(0)
         for names, least_open in ((_FURNITURE, 0.0), (_NICHES, _NICHE_OPEN)):
             own = [footprint_polygon(one.box) for one in pieces if one.category in names]
-            covered = shapely.union_all(own).intersection(floor).area
-            if named[room] or covered < _COVERED * floor.area:
+            drawn = shapely.union_all(own)
+            covered = drawn.intersection(floor).area
+            touched = sum(one.area for one in own if one.intersects(floor))
+            is_piece = covered >= _COVERED * floor.area and covered >= _WITHIN * touched
+            if named[room] or not is_piece:
                 continue
             borders = borders or _borders(reading)
             pairs += _widest(room, borders, least_open)
@@ -100,15 +104,24 @@ def _joined(reading: SeenReading, pairs: Sequence[tuple[int, int]]) -> SeenReadi
     labels, solid = regions.labels.copy(), regions.solid.copy()
     numbers = [_number_of(polygon, labels) for polygon in reading.polygons_px]
     reach = max(2, round(_REACH * regions.thickness_px))
+    count = 0
     for one, other in pairs:
         first, second = numbers[one], numbers[other]
-        if 0 in (first, second) or first == second:
-            continue
         gap = _between(labels == first, labels == second, reach) & (labels == 0)
+        if 0 in (first, second) or first == second or not _joins(gap, labels, first, second):
+            continue
         labels[gap | (labels == second)] = first
         solid[gap] = False
         numbers = [first if number == second else number for number in numbers]
-    return reading.with_regions(Regions(labels, solid, regions.thickness_px))
+        count += 1
+    return reading.with_joined(Regions(labels, solid, regions.thickness_px), count)
+
+
+def _joins(gap: BoolArray, labels: Labels, first: int, second: int) -> bool:
+    """Whether two regions hang together once a gap is floor."""
+    whole = gap | (labels == first) | (labels == second)
+    _, parts = cv2.connectedComponents(whole.astype(np.uint8), connectivity=4)
+    return bool(np.isin(parts[labels == first], parts[labels == second]).any())
 
 
 def _number_of(polygon_px: FloatArray, labels: Labels) -> int:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from shapely.geometry import Point
 
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.room_names import LEADING, room_kinds
-from chord_usd.base.scene.types import Plan, Room, RoomKind
+from chord_usd.base.scene.types import Item, Plan, Room, RoomKind
 from chord_usd.line.plan.home_uses import Uses
 from chord_usd.line.plan.open_plans import Use, can_share, part_room
 from chord_usd.line.plan.seen_kinds import SeenKinds
@@ -32,13 +35,18 @@ def part_open_plans(
 
 
 def part_floors(
-    plan: Plan, uses: Sequence[Uses], named: Mapping[str, Sequence[Use]], seen: SeenKinds | None
+    plan: Plan,
+    uses: Sequence[Uses],
+    named: Mapping[str, Sequence[Use]],
+    seen: SeenKinds | None,
+    pieces: Sequence[Item] = (),
 ) -> tuple[Plan, list[str], set[tuple[int, RoomKind]]]:
     """The plan with its floors parted into what they are for; what to say of parts without a name;
     and (floor, use) of the further uses that a floor has no place for.
 
     uses: of plan.rooms; named: by room id, in place of what the rooms' own names say; seen: on the
-    plan's drawing.
+    plan's drawing; pieces: drawn there. A kitchen is where its hob is drawn, if not where it is
+    named.
     """
     told: list[str] = []
     failed: set[tuple[int, RoomKind]] = set()
@@ -49,7 +57,12 @@ def part_floors(
         placed = {use.kind for use in own if use.spots_m}
         asked = wanted.further - (known - {"kitchen"})
         free = [use.kind for use in needed if use.kind in asked - placed]
-        parted = _parted(plan, room, needed, set(asked), seen)
+        cooked = [one for one in uses if "kitchen" in one.all]
+        may_cook = wanted in cooked or not cooked
+        at_hobs = _at_hobs(needed, room, pieces)
+        parted = _parted(plan, room, at_hobs, set(asked), seen, may_cook)
+        if at_hobs != needed and parted is plan:
+            parted = _parted(plan, room, needed, set(asked), seen, may_cook)
         new = {one.id for one in parted.rooms} - {one.id for one in plan.rooms}
         for kind in free:
             made = [one for one in parted.rooms if one.id in new and one.kind == kind]
@@ -60,11 +73,17 @@ def part_floors(
 
 
 def _parted(
-    plan: Plan, room: Room, needed: list[Use], wanted: set[RoomKind], seen: SeenKinds | None
+    plan: Plan,
+    room: Room,
+    needed: list[Use],
+    wanted: set[RoomKind],
+    seen: SeenKinds | None,
+    may_cook: bool,
 ) -> Plan:
     """The plan with a room parted into what it is needed for, and what is drawn there; the first
-    way that gives each wanted use a part."""
+    way that gives each wanted use a part. may_cook: whether a kitchen may be among the latter."""
     drawn = _uses_seen(room, needed, seen) if seen else []
+    drawn = [use for use in drawn if may_cook or use.kind != "kitchen"]
     pair = [use for use in needed if use.kind in wanted | {room.kind}]
     # What is drawn nowhere contradicts every part.
     ways = [(needed + drawn, seen), (needed, seen), (needed, None), (pair, None)]
@@ -77,6 +96,19 @@ def _parted(
         if wanted <= {one.kind for one in parted.rooms if one not in plan.rooms}:
             return parted
     return first
+
+
+def _at_hobs(needed: list[Use], room: Room, pieces: Sequence[Item]) -> list[Use]:
+    """What a room is needed for, a kitchen without a place at its hobs."""
+    floor = room_polygon(room)
+    spots = tuple(
+        one.box.center_m[:2] for one in pieces
+        if one.category == "cooker_cabinet" and floor.covers(Point(one.box.center_m[:2]))
+    )  # fmt: skip
+    return [
+        replace(use, spots_m=spots) if use.kind == "kitchen" and not use.spots_m else use
+        for use in needed
+    ]
 
 
 def _uses_named(room: Room, named: Sequence[Use]) -> list[Use]:

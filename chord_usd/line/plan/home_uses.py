@@ -51,7 +51,8 @@ _MOST_DRAWN_NATS = 3.0
 _SPEAKS: dict[str, tuple[RoomKind, float]] = {
     "bathtub": ("bathroom", 3.0), "shower": ("bathroom", 2.0), "toilet": ("bathroom", 3.0),
     "washbasin": ("bathroom", 1.0), "cooker_cabinet": ("kitchen", 3.0),
-    "sink_cabinet": ("kitchen", 1.0), "refrigerator": ("kitchen", 2.0), "bed": ("bedroom", 3.0), "sofa": ("living", 2.0),
+    "sink_cabinet": ("kitchen", 1.0), "refrigerator": ("kitchen", 2.0),
+    "bed": ("bedroom", 3.0), "sofa": ("living", 2.0),
 }  # fmt: skip
 """What a drawn piece speaks for, and nats of one that is surely there."""
 _MOST_SPOKEN, _SPOKEN = 4.0, 1.5

@@ -46,6 +46,8 @@ class SeenReading:
     outlines: list[Outline]
     openings: list[WallOpening]
     frame: PixelFrame
+    joined: int = 0
+    """How many floors became parts of others, since nothing parts them."""
 
     @property
     def polygons_px(self) -> list[FloatArray]:
@@ -85,11 +87,13 @@ class SeenReading:
 
     def again(self, m_per_px: float) -> SeenReading:
         """At another scale, which changes what is large enough for a room."""
-        return _opened(self.segments, self.regions, replace(self.frame, m_per_px=m_per_px))
+        read = _opened(self.segments, self.regions, replace(self.frame, m_per_px=m_per_px))
+        return replace(read, joined=self.joined)
 
-    def with_regions(self, regions: Regions) -> SeenReading:
-        """With other floors, at the same scale."""
-        return _opened(self.segments, regions, self.frame)
+    def with_joined(self, regions: Regions, count: int) -> SeenReading:
+        """With so many floors joined to others, at the same scale."""
+        read = _opened(self.segments, regions, self.frame)
+        return replace(read, joined=self.joined + count)
 
     def placed(self, room_ids: Sequence[str], frame: PixelFrame) -> tuple[Opening, ...]:
         """The openings in the walls of rooms."""

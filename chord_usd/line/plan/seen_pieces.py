@@ -24,9 +24,11 @@ from chord_usd.base.raster.page_labels import (
 )
 from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.runtime.networks import Network, load_network
+from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import Box, ByteArray, FloatArray, Item, PixelFrame
 from chord_usd.base.scene.units import m_from_px, wrap_deg
+from chord_usd.line.plan.seen import SeenReading
 from chord_usd.line.plan.sheet import Sheet, on_white
 
 PIECES_CHECKPOINT = "symbols"
@@ -41,6 +43,9 @@ _TILE_PX, _OVERLAP_PX = 768, 96
 _SAME_SPOT = 0.5
 """Of two pieces whose centres are nearer than this share of the smaller one's shorter side, the
 likelier is there."""
+_SWING_NEAR, _SWING_ALIKE = 0.3, 0.35
+"""A shower whose rim is so near to the middle of a door, and whose side is so nearly as long as the
+door is wide, is its swing: shares of that width."""
 
 Map = npt.NDArray[np.float32]
 
@@ -186,16 +191,31 @@ def found_on(sheet: Sheet, m_per_px: float) -> list[SeenPiece]:
 
 
 def pieces_within(
-    found: Iterable[SeenPiece], floors_px: Iterable[FloatArray], sheet: Sheet, frame: PixelFrame
+    found: Iterable[SeenPiece], reading: SeenReading, sheet: Sheet, frame: PixelFrame
 ) -> list[Item]:
-    """Of what was found on a sheet's fine picture, the pieces on floors, in metres; no chairs.
+    """Of what was found on a sheet's fine picture, the pieces on a reading's floors, in metres.
 
-    floors_px: (N, 2) corners of each. frame: of the working picture."""
+    No chairs, and no shower where a door swings. frame: of the working picture."""
     height_px = sheet.fine.shape[0]
     fine = replace(frame, m_per_px=frame.m_per_px / sheet.fine_per_px, height_px=height_px)
-    rooms = [Polygon(m_from_px(corners, frame)) for corners in floors_px]
+    rooms = [Polygon(m_from_px(corners, frame)) for corners in reading.polygons_px]
+    doors = [
+        (Point(m_from_px(one.center_px, frame)), one.length_px * frame.m_per_px)
+        for one in reading.openings if one.kind == "door"
+    ]  # fmt: skip
     house = shapely.union_all([room.buffer(0) for room in rooms])
     return [
         one for one in as_items(found, fine)
         if one.category not in FOLLOWING and house.covers(Point(one.box.center_m[:2]))
+        and not any(_is_swing(one, *door) for door in doors)
     ]  # fmt: skip
+
+
+def _is_swing(piece: Item, door: Point, width_m: float) -> bool:
+    """Whether a shower is rather the quarter of a circle that a door leaf swings through."""
+    near = _SWING_NEAR * width_m
+    return (
+        piece.category == "shower"
+        and min(abs(side - width_m) for side in piece.box.size_m[:2]) < _SWING_ALIKE * width_m
+        and footprint_polygon(piece.box).exterior.distance(door) < near
+    )

@@ -28,6 +28,8 @@ from chord_usd.line.plan.scale_choice import CHECK_SCALE
 Verdict = Literal["right", "look", "wrong"]
 VERDICT = "verdict"
 """Key of Plan.extra and of --json."""
+JOINED = "joinedFloors"
+"""Key of Plan.extra: how many floors became parts of others, since no wall parts them."""
 
 SAID: dict[str, str] = {
     "right": "probably right", "look": "look at the overlay", "wrong": "probably wrong",
@@ -79,15 +81,17 @@ _WEIGHTS = (2.2, 2.0, 1.2, 0.5, 0.5, 0.3, 0.3, 0.6)
 """In the order of the fields of Symptoms."""
 
 
-def symptoms_of(plan: Plan) -> Symptoms:
-    """What is unsure of a plan that was read, with its warnings."""
+def symptoms_of(plan: Plan, joined: int = 0) -> Symptoms:
+    """What is unsure of a plan that was read, with its warnings. joined: floors that became parts
+    of others, each with an unsure outline and opening."""
     told = _told(plan)
     rooms = max(len(plan.rooms), 1)
-    vague = sum(map(is_vague, plan.openings)) / max(len(plan.openings), 1)
+    openings = max(len(plan.openings) + joined, 1)
+    vague = (sum(map(is_vague, plan.openings)) + joined) / openings
     apart = sum(map(len, reached_together(plan)[1:])) / rooms
     return Symptoms(
         vague,
-        sum(map(is_shaky, plan.rooms)) / rooms,
+        (sum(map(is_shaky, plan.rooms)) + joined) / (rooms + joined),
         apart,
         any(CHECK_SCALE in one for one in told),
         any(OF_SEVERAL in one for one in told),
@@ -101,7 +105,8 @@ def refuse_unsure(plan: Plan) -> None:
     """Raises PlanError for a reading of which hardly anything is sure: diagrams, views in
     perspective, several drawings in one."""
     vague, count = sum(map(is_vague, plan.openings)), len(plan.openings)
-    if symptoms_of(plan).total >= _NOTHING or (count >= _MANY and vague == count):
+    joined = int(plan.extra.get(JOINED, 0))
+    if symptoms_of(plan, joined).total >= _NOTHING or (count >= _MANY and vague == count):
         shaky = sum(map(is_shaky, plan.rooms))
         raise PlanError(
             f"hardly anything on it is sure: {vague} of {count} openings and {shaky} of"
