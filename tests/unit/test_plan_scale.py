@@ -223,6 +223,16 @@ def test_the_only_area_of_a_sheet_may_be_that_of_the_home() -> None:
     assert scale.m_per_px == pytest.approx(0.01, rel=0.01)
 
 
+def test_areas_of_torn_floors_that_differ_a_little_count_alike() -> None:
+    printed = [Estimate("room areas", scale, said) for scale, said in ((0.0108, "20 m²"),
+                                                                      (0.0095, "3 m²"))]  # fmt: skip
+    scale = choose_scale(printed, doors=0.0112, walls=0.012, rooms=(0.0102, 0.2))
+    assert scale.m_per_px == pytest.approx((0.0108 * 0.0095) ** 0.5, rel=1e-6)
+    assert "differ 1.14 times" in scale.warnings()[0]
+    third = Estimate("room areas", 0.0107, "9 m²")
+    assert choose_scale([*printed, third], doors=0.0112, walls=0.012).m_per_px > 0.0106
+
+
 def test_a_scale_bar_is_read_in_one_piece_or_in_several() -> None:
     numbers = [text_at(said, 100 + 80 * i, 50, width=8) for i, said in enumerate("0123")]
     (estimate,) = estimates([*numbers, text_at("4m", 420, 50, width=16)], [])

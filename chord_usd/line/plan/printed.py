@@ -114,7 +114,7 @@ def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Est
         # The only area of a sheet may be that of all rooms.
         total_px = sum(room.area for room in rooms)
         yield Estimate(
-            _NAMES["area"],
+            "floor area",
             math.sqrt(areas[0].values[0] / total_px),
             f"{areas[0].values[0]:g} m2 in all",
         )

@@ -34,6 +34,9 @@ _ODD = math.log(1.6)
 _APART = math.log(1.25)
 """Doors and rooms that are blended and differ by more contradict each other."""
 
+_TORN = math.log(1.2)
+"""Areas of floors that are torn say scales that differ by less."""
+
 _CHANCE = 2 * _SAME / 4.0
 """How likely a misread measure says by chance what others do: it may be e times off, or more."""
 _LEAST_NATS = 2.0
@@ -211,7 +214,29 @@ def _likeliest(
     best = int(np.lexsort((-(near @ weights), -np.round(total, 6)))[0])
     aside = max(_nats_unprinted(unprinted, math.log(value)) for value, _ in unprinted)
     is_believed = bool(nats[best] >= _LEAST_NATS and total[best] >= aside)
-    return _cluster(printed, near[best], logs, weights), is_believed
+    middle = _middle_of(printed, best, logs)
+    return middle or _cluster(printed, near[best], logs, weights), is_believed
+
+
+def _middle_of(printed: Sequence[Estimate], best: int, logs: FloatArray) -> Scale | None:
+    """The middle of areas of which each says another scale, but not a far one: floors that are torn
+    make one too large and the next too small. None where another measure says what the best does.
+    """
+    area = printed[best]
+    differ = np.abs(logs - logs[best])
+    alike = {e.text for e, off in zip(printed, differ, strict=True) if off < _SAME}
+    beside = {
+        e.text: log
+        for e, log, off in zip(printed, logs, differ, strict=True)
+        if e.witness == area.witness and e.choices == 1 and off < _TORN
+    }
+    if area.witness != "room areas" or alike != {area.text} or len(beside) < 2:
+        return None
+    apart = math.exp(max(beside.values()) - min(beside.values()))
+    said = {e.text for e in printed if e.witness == area.witness}
+    center = math.exp(float(np.mean(list(beside.values()))))
+    told = f"the printed {area.witness} say scales that differ {apart:.2f} times"
+    return Scale(center, area.witness, 1, 1 / len(said), disagreement=told)
 
 
 def _nats_read(printed: Sequence[Estimate], own: BoolArray) -> float:
