@@ -100,6 +100,26 @@ def test_a_piece_goes_where_its_leaves_open(database):
     assert all(shape.intersection(footprint_polygon(beside.box)).area < 1e-4 for shape in swept)
 
 
+def test_a_piece_between_walls_gets_a_model_that_opens(database):
+    piece = wardrobe(database, 2.5, 4.0)
+    x, y, _ = piece.box.center_m
+    length, depth, _ = piece.box.size_m
+    posts = [
+        Item(f"post{side}", "table", Box((x + side * (length / 2 + 0.1), y - 0.3, 0.0),
+             (0.2, depth + 0.6, 2.2), 0.0), "a")
+        for side in (-1, 1)
+    ]  # fmt: skip
+    shut = Item("chest", "table", Box((x, y - depth / 2 - 0.35, 0.0), (length, 0.5, 2.0), 0.0), "a")
+    before = house(piece, *posts, shut)
+    models = Arrangement.of(before, movable={"wardrobe"}, database=database)
+    after = next(one for one in free_leaves(models).items if one.id == "wardrobe")
+    assert after.asset != piece.asset
+    assert after.asset.category == "cabinet"
+    assert footprint_polygon(piece.box).buffer(1e-6).covers(footprint_polygon(after.box))
+    alone = free_leaves(Arrangement.of(before, movable={"wardrobe"}))
+    assert next(one for one in alone.items if one.id == "wardrobe").asset == piece.asset
+
+
 def test_doors_at_a_side_stay_within_their_piece():
     """So that a wall, or a taller piece, may be there."""
     judged = 0

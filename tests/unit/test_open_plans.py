@@ -152,6 +152,25 @@ def test_a_home_without_a_kitchen_gets_one_beside_the_bath():
     assert not failed
 
 
+@pytest.mark.parametrize("at", [(1.0, 3.6), (6.0, 3.6)])
+def test_a_kitchen_without_a_name_lies_where_its_hob_is_drawn(at):
+    hob = Item("", "cooker_cabinet", Box((*at, 0.0), (0.6, 0.6, 0.9), 0.0))
+    plan, _, failed = part_floors(LONG, KITCHEN_TOO, {}, None, [hob])
+    kitchen = next(room_polygon(one) for one in plan.rooms if one.kind == "kitchen")
+    assert kitchen.contains(Point(at))
+    assert not failed
+
+
+def test_what_looks_like_a_second_kitchen_parts_no_floor():
+    uses = [Uses("living"), Uses("bathroom")]
+    looks = drawn(living=(3, 0, 9, 4), kitchen=(0, 0, 3, 4))
+    parted, _, _ = part_floors(LONG, uses, {}, looks)
+    assert "kitchen" in {one.kind for one in parted.rooms}
+    beside = replace(LONG, rooms=(*LONG.rooms, rectangle("kitchen1", "kitchen", 0, 5, 3, 8)))
+    whole, _, _ = part_floors(beside, [*uses, Uses("kitchen")], {}, looks)
+    assert whole == beside
+
+
 def test_a_floor_that_has_no_place_for_a_use_says_so():
     small = Plan((rectangle("living1", "living", 0, 0, 2.4, 2.2),), ())
     plan, told, failed = part_floors(small, KITCHEN_TOO[:1], {}, None)

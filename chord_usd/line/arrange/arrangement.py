@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from shapely import Polygon
 
@@ -15,6 +16,9 @@ from chord_usd.base.scene.types import Item, LayoutImage, Opening, Room, SceneGr
 from chord_usd.line.arrange.free_floor import Painted
 from chord_usd.line.graph.colours import read_pixels
 from chord_usd.line.graph.match import FLUSH_PX
+
+if TYPE_CHECKING:
+    from chord_usd.library.database import AssetDatabase
 
 Faults = Callable[[SceneGraph], float]
 """How much is wrong with a house."""
@@ -51,6 +55,8 @@ class Arrangement:
     faults: Faults | None = None
     movable: frozenset[str] | None = None
     """Ids of the items that may move or go; None for all."""
+    database: AssetDatabase | None = None
+    """Models that pieces may be given in place of theirs."""
 
     @classmethod
     def of(
@@ -60,10 +66,12 @@ class Arrangement:
         painted: Painted | None = None,
         faults: Faults | None = None,
         movable: Collection[str] | None = None,
+        database: AssetDatabase | None = None,
     ) -> Arrangement:
         """A house, and what some rules have to know of it."""
         may = None if movable is None else frozenset(movable)
-        return cls(graph, _Shell(graph.rooms, graph.openings), painted, faults, may)
+        shell = _Shell(graph.rooms, graph.openings)
+        return cls(graph, shell, painted, faults, may, database)
 
     @classmethod
     def read_from(cls, layout: LayoutImage, graph: SceneGraph) -> Arrangement:

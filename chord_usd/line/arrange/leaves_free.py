@@ -1,10 +1,13 @@
 """Pieces moved a little where something is in the way of their doors and drawers.
 
 A drawer beside a door's casing, a cabinet whose leaf meets the next piece: both need centimetres.
+Where no place helps, as in a closet no longer than its cabinet, another model opens: with sliding
+doors, or none.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -17,6 +20,7 @@ from chord_usd.base.scene.types import Box, Item, SceneGraph
 from chord_usd.library.asset_leaves import felt_boxes, leaves_of
 from chord_usd.line.arrange.arrangement import Arrangement
 from chord_usd.line.arrange.off_trim import is_in_trim, trim_of
+from chord_usd.line.graph.fit import fitted_box
 
 _STEPS_M = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.45, 0.6)
 """How far a piece may go along its wall."""
@@ -25,6 +29,8 @@ _MOST_CUT = 0.05
 _REACH_M = 1.0
 """Leaves pass nothing farther from their piece."""
 _WALL_M = 1e-3
+_MODELS, _LEAST_LONG = 24, 0.75
+"""So many models nearest in size are tried, none of which is shorter than this share."""
 
 
 def free_leaves(work: Arrangement) -> SceneGraph:
@@ -65,7 +71,8 @@ def _moved(
     work: Arrangement, item: Item, items: dict[str, Item], trim: Sequence[Box],
     floor: shapely.Geometry,
 ) -> Item:  # fmt: skip
-    """The piece at the nearest place from which all its leaves open, else at the best of them."""
+    """The piece at the nearest place from which all its leaves open; in another model that opens;
+    else at the best place."""
     free = work.free_places(item, items.values())
     near = _near(item, items, trim)
     best, least = item, _shut(leaves_of(item), item.box, near, floor)
@@ -77,8 +84,22 @@ def _moved(
         if missed < least - 0.1:
             best, least = tried, missed
         if not least:
-            break
-    return best
+            return best
+    others = (one for one in _other_models(work, item) if not is_in_trim(one.box, trim))
+    opening = (one for one in others if not _shut(leaves_of(one), one.box, near, floor))
+    return next(opening, best)
+
+
+def _other_models(work: Arrangement, item: Item) -> Iterator[Item]:
+    """The piece in other models of its category, none larger and not much smaller."""
+    if work.database is None or item.children:
+        return
+    row, size_m = category(item.category), item.box.size_m
+    for asset in work.database.ranked(item.category, size_m, _MODELS):
+        box = fitted_box(item.box, asset, row, is_guess=True)
+        most_m = item.facts.below_sill_m or math.inf
+        if box.size_m[0] >= _LEAST_LONG * size_m[0] and box.size_m[2] <= most_m:
+            yield replace(item, asset=asset, box=box)
 
 
 def _tries(box: Box) -> Iterator[Box]:

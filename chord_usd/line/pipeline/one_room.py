@@ -130,7 +130,7 @@ def regenerate(
         with watch.step("tabletop") as progress:
             database, rooms = models.reader.database, (room.id,)
             graph = lay_tables(graph, models.table, database, own, progress, rooms, kept_ids).graph
-    graph = settle(graph, own, (room.id,), kept_ids)
+    graph = settle(graph, own, (room.id,), kept_ids, models.reader.database)
     with watch.step("dress"):
         graph = replace(graph, style=style.name)
         graph = _dressed(graph, house, room, models.reader.database, own, kept_ids)

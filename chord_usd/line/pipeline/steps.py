@@ -217,10 +217,12 @@ def settle(
     settings: Settings,
     rooms: Collection[str] = (),
     but: Collection[str] = (),
+    database: AssetDatabase | None = None,
 ) -> SceneGraph:
     """The graph after the rules that look at meshes, if it is to be arranged.
 
     rooms: ids of the rooms whose pieces may move, by default all. but: ids of items that stay.
+    database: models for pieces whose leaves open nowhere.
     """
     from chord_usd.line.arrange.arrangement import Arrangement
     from chord_usd.line.arrange.rules import arrange
@@ -232,7 +234,7 @@ def settle(
         for item in graph.items
         if (not rooms or item.room_id in rooms) and item.id not in but
     }
-    return arrange(Arrangement.of(graph, movable=movable), "meshed")
+    return arrange(Arrangement.of(graph, movable=movable, database=database), "meshed")
 
 
 def arrange_given(graph: SceneGraph) -> SceneGraph:

@@ -248,7 +248,8 @@ def lay_tables(made: FurnishedStorey, progress: Progress) -> None:
 
 def settle(made: FurnishedStorey, _: Progress) -> None:
     """Apply the rules that need meshes."""
-    made.graph = steps.settle(made.graph, made.settings)
+    database = made.models.reader.database
+    made.graph = steps.settle(made.graph, made.settings, database=database)
 
 
 def dress(made: FurnishedStorey, _: Progress) -> None:

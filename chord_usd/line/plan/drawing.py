@@ -25,8 +25,6 @@ from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.room_areas import scale_by_home, scale_by_rooms
 from chord_usd.base.scene.stair_places import DRAWN_STAIRS
 from chord_usd.base.scene.types import (
-    OPEN,
-    SURROUNDS,
     WALL_THICKNESS_M,
     BoolArray,
     ByteArray,
@@ -52,11 +50,10 @@ from chord_usd.line.plan.floor_parts import part_floors
 from chord_usd.line.plan.home_graph import dwellings_of, work_names
 from chord_usd.line.plan.home_uses import Floor, Uses, named_pieces, speaking, uses_of_home
 from chord_usd.line.plan.labels import named_by_texts, numbered, seen_as, texts_in, uses_named
-from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.parts import parts_of
 from chord_usd.line.plan.placement import DRAWING, WARNINGS, placement
 from chord_usd.line.plan.printed import STATED, Estimate, estimates
-from chord_usd.line.plan.regions import Outline, is_stairwell, stair_outlines
+from chord_usd.line.plan.regions import is_stairwell, stair_outlines
 from chord_usd.line.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.line.plan.seen import Reader, SeenReading, read_seen
 from chord_usd.line.plan.seen_kinds import SeenKinds, seen_kinds
@@ -66,12 +63,6 @@ from chord_usd.line.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.line.plan.storey_titles import titled
 from chord_usd.line.plan.text import Text, read_texts, warm_up
 from chord_usd.line.plan.verdict import JOINED
-
-_OPEN_M = 1.2
-"""Wider than a door."""
-
-_SURROUNDED_M2 = 1.0
-"""Larger than a chimney."""
 
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
@@ -453,7 +444,12 @@ def _stairs(plan: Plan, page: _Page, frame: PixelFrame) -> list[list[list[float]
 def _named_rooms(reading: SeenReading, page: _Page, frame: PixelFrame) -> list[Room]:
     """Rooms with what their names, and stairs, say that they are for."""
     outlined = [
-        Room("", "unknown", frozen_array(m_from_px(o.polygon_px, frame)), extra=_extra(o, frame))
+        Room(
+            "",
+            "unknown",
+            frozen_array(m_from_px(o.polygon_px, frame)),
+            extra=o.extra(frame.m_per_px),
+        )
         for o in reading.outlines
     ]
     return [
@@ -490,13 +486,3 @@ def _floors(
             )
         )  # fmt: skip
     return floors
-
-
-def _extra(outline: Outline, frame: PixelFrame) -> dict[str, float]:
-    open_m = round(outline.open_px * frame.m_per_px, 2)
-    inside_m2 = round(outline.surrounded_px2 * frame.m_per_px**2, 1)
-    return {
-        CONFIDENCE: outline.confidence,
-        **({OPEN: open_m} if open_m > _OPEN_M else {}),
-        **({SURROUNDS: inside_m2} if inside_m2 >= _SURROUNDED_M2 else {}),
-    }

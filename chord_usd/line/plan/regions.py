@@ -17,7 +17,8 @@ from chord_usd.base.raster.page_labels import (
 )
 from chord_usd.base.raster.vectorize import polygon_from_mask
 from chord_usd.base.scene.stair_spirals import is_round
-from chord_usd.base.scene.types import BoolArray, FloatArray
+from chord_usd.base.scene.types import OPEN, SURROUNDS, BoolArray, FloatArray
+from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.segment import SOLID, Segments, usual_thickness_px
 from chord_usd.line.plan.squared import is_askew, squared
 
@@ -53,6 +54,9 @@ _LEAST_FLIGHT_M = (0.6, 1.2)
 _STAIRWELL = 0.5
 """A room with stairs on so much of its floor is there for them."""
 
+_OPEN_M, _SURROUNDED_M2 = 1.2, 1.0
+"""Wider than a door; larger than a chimney."""
+
 _BLOCK = np.ones((3, 3), np.uint8)
 
 Labels = npt.NDArray[np.int32]
@@ -86,6 +90,16 @@ class Outline:
     """Chances of KIND_NAMES by what is drawn in it."""
     stairs: float
     """Share of its floor that stairs take up."""
+
+    def extra(self, m_per_px: float) -> dict[str, float]:
+        """For Room.extra."""
+        open_m = round(self.open_px * m_per_px, 2)
+        inside_m2 = round(self.surrounded_px2 * m_per_px**2, 1)
+        return {
+            CONFIDENCE: self.confidence,
+            **({OPEN: open_m} if open_m > _OPEN_M else {}),
+            **({SURROUNDS: inside_m2} if inside_m2 >= _SURROUNDED_M2 else {}),
+        }
 
 
 def find_regions(segments: Segments) -> Regions:

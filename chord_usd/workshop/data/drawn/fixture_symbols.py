@@ -211,7 +211,7 @@ def _fall(body: Polygon, half: float, back: float, rng: np.random.Generator) -> 
 
 
 def _open_shower(half: float, back: float, side: float, rng: np.random.Generator) -> Shapes:
-    """Without a tray: a head on its arm, with or without tiles and a screen at a side or in front."""
+    """Without a tray: a head on its arm, tiles or none, a screen at a side, in front or none."""
     shapes: Shapes = []
     screen = box(side * half, -back, side * (half - 0.03), back)
     where = int(rng.integers(4))
