@@ -224,8 +224,8 @@ def test_the_only_area_of_a_sheet_may_be_that_of_the_home() -> None:
 
 
 def test_areas_of_torn_floors_that_differ_a_little_count_alike() -> None:
-    printed = [Estimate("room areas", scale, said) for scale, said in ((0.0108, "20 m²"),
-                                                                      (0.0095, "3 m²"))]  # fmt: skip
+    said = {"20 m²": 0.0108, "3 m²": 0.0095}
+    printed = [Estimate("room areas", m_per_px, text) for text, m_per_px in said.items()]
     scale = choose_scale(printed, doors=0.0112, walls=0.012, rooms=(0.0102, 0.2))
     assert scale.m_per_px == pytest.approx((0.0108 * 0.0095) ** 0.5, rel=1e-6)
     assert "differ 1.14 times" in scale.warnings()[0]
