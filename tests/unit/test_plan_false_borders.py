@@ -71,6 +71,7 @@ def drawn(category: str, size_px: tuple[int, int], seen: SeenReading) -> Item:
         ("sofa", (80, 70), WALL, 2),  # its outline was taken for a wall
         ("sofa", (80, 30), WALL, 3),  # stands in a small room
         ("sofa", (160, 100), WALL, 3),  # larger than that floor: misread
+        ("sofa", (80, 70), DOOR, 3),
         ("cabinet", (80, 80), WALL, 3),  # a closet
         ("bathtub", (80, 60), PASSAGE, 2),
         ("shower", (80, 80), WALL, 3),  # a shower room

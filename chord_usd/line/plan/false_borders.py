@@ -3,8 +3,8 @@
 Between rooms there is a wall with a door in it, or an opening with jambs. Where most of what parts
 two floors is neither wall nor door, one of them is unsure and has no name, and that border is much
 of its rim, the border is the edge of a table, a bed or a rug. A floor that a piece of furniture
-covers is that piece, and one that a bath or a shower covers is the niche of the bathroom it opens
-into.
+covers and no door leads to is that piece, and one that a bath or a shower covers is the niche of
+the bathroom it opens into.
 """
 
 from __future__ import annotations
@@ -83,13 +83,16 @@ def without_pieces(
 
 
 def _widest(room: int, borders: Borders, least_open: float) -> list[tuple[int, int]]:
-    """The pair of a room and the one that most of its rim lies at, or opens into if it has to."""
+    """The pair of a room and the one that most of its rim lies at, or opens into if it has to; none
+    for a room with a door."""
+    own = {pair: sums for pair, sums in borders.items() if room in pair}
+    doors, rim = (sum(float(sums[at]) for sums in own.values()) for at in (2, 0))
     sizes = {
         pair: float(sums[1] if least_open else sums[0])
-        for pair, sums in borders.items()
-        if room in pair and sums[1] >= least_open * sums[0]
+        for pair, sums in own.items()
+        if sums[1] >= least_open * sums[0]
     }
-    return [max(sizes, key=lambda pair: sizes[pair])] if sizes else []
+    return [max(sizes, key=lambda pair: sizes[pair])] if sizes and doors <= _DOOR * rim else []
 
 
 def _borders(reading: SeenReading) -> Borders:

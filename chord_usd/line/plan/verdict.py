@@ -35,9 +35,9 @@ SAID: dict[str, str] = {
     "right": "probably right", "look": "look at the overlay", "wrong": "probably wrong",
 }  # fmt: skip
 
-_LOOK, _WRONG = 0.35, 2.1
+_LOOK, _WRONG = 0.35, 2.3
 """Sums of symptoms, each with its weight, from which on a reading is doubtful, and wrong."""
-_NOTHING, _MANY = 4.5, 20
+_NOTHING, _MANY = 4.1, 20
 """Sum of symptoms from which on nothing is sure, and so many openings of which none is."""
 _MOST_UNKNOWN = 0.34
 """Share of rooms without a kind in a reading that is right."""
