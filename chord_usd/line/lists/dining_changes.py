@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 
+from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
@@ -39,6 +40,9 @@ _LOOSE = ("table", "chair", "leisure_sofa", "lounge", "side_coffee_table", "dini
 """Where no dining table is: what stands there while the home has none."""
 _COMPOSED = 10
 """Tables around which a kitchen is composed."""
+
+_MOST_LOST = 0.1
+"""Share of a kitchen's rules that a table in it is worth: two of them."""
 
 Compose = Callable[[View, Sequence[Item]], Sequence[Item]]
 """Kitchen units for a room, beside pieces that stay."""
@@ -113,15 +117,21 @@ def more_chairs(view: View, seats: int) -> Iterator[Change]:
 
 
 def eat_in(view: View, seats: int, compose: Compose) -> Iterator[Change]:
-    """A kitchen composed around a table for so many."""
+    """A kitchen composed around a table for so many, that keeps nearly as many rules as before."""
+    least = _share_kept(view) - _MOST_LOST
     units = [at for at, name in enumerate(view.categories) if name in KITCHEN_UNITS]
     rest = but(view, units)
     laid = list(laid_table(View(view.shell, rest, view.hung), seats))
     for items in laid[:: 1 + len(laid) // _COMPOSED]:
         stays = [_pulled_out(item) if item.category == "chair" else item for item in items]
         composed = compose(view, stays)
-        if composed:
+        if composed and _share_kept(View(view.shell, (*items, *composed), view.hung)) >= least:
             yield (*items, *composed)
+
+
+def _share_kept(kitchen: View) -> float:
+    """Of the rules of the kitchen alone, by weight."""
+    return next(one.share for one in judged_room(kitchen) if one.kind == "kitchen")
 
 
 def _pulled_out(chair: Item) -> Item:
