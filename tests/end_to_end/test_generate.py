@@ -64,14 +64,14 @@ def again(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
 @pytest.fixture(scope="module")
 def other(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
     folder = tmp_path_factory.mktemp("other")
-    return make(run_cli, folder, "cut_corner.png", "--seed", "3", "--no-tabletop")
+    return make(run_cli, folder, "cut_corner.png", "--seed", "3", "--no-tabletop", "--no-dressing")
 
 
 @pytest.fixture(scope="module")
 def first_draw(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
     """No room is drawn again."""
     folder = tmp_path_factory.mktemp("first")
-    return make(run_cli, folder, "two_bedrooms.png", "--redraws", "0")
+    return make(run_cli, folder, "two_bedrooms.png", "--redraws", "0", "--no-dressing")
 
 
 @pytest.fixture(scope="module")
@@ -270,6 +270,7 @@ def test_only_rooms_that_are_told_differ_from_the_first_draw(made: Made, first_d
     assert rooms <= {*made.told["redrawn"], *left_out}
 
 
+@pytest.mark.acceptance
 def test_a_usdz_holds_the_house_in_one_file(made: Made, run_cli: RunCli, tmp_path: Path) -> None:
     target = tmp_path / "house.usdz"
     done = run_cli(
@@ -283,6 +284,7 @@ def test_a_usdz_holds_the_house_in_one_file(made: Made, run_cli: RunCli, tmp_pat
     assert sum(map(len, furniture_in(packed).values())) == made.told["furniture"]
 
 
+@pytest.mark.acceptance
 def test_a_picture_is_rendered(made: Made, run_cli: RunCli, tmp_path: Path) -> None:
     import numpy as np
     from PIL import Image

@@ -19,7 +19,7 @@ from tests.exit_codes import written
 RunCli = Callable[..., subprocess.CompletedProcess[str]]
 
 PLAN = Path(__file__).parents[2] / "examples" / "two_bedrooms.png"
-WORDS = ("--steps", 2, "--progress", "none", "--json", "--no-tabletop")
+WORDS = ("--steps", 2, "--progress", "none", "--json", "--no-tabletop", "--no-dressing")
 
 
 def _without_lists() -> str:

@@ -10,7 +10,8 @@ import pytest
 from chord_usd.line.stage.check.check_stage import check_stage
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-QUICK = ["--no-tabletop", "--workers", "1", "--json"]
+PLAIN = ["--steps", "1", "--redraws", "0", "--no-tabletop", "--no-dressing"]
+QUICK = [*PLAIN, "--workers", "1", "--json"]
 PICTURES = ["--renders", "--quality", "draft", "--samples", "1", "--resolution", "32x18"]
 
 
