@@ -12,8 +12,8 @@ from pxr import Sdf
 
 from chord_usd.base.places.swept import Boxes, Leaf
 from chord_usd.base.runtime.stages import layer_beside
+from chord_usd.base.scene.articulation import JOINTED_LAYER, JOINTS, PAYLOAD_LAYER
 from chord_usd.base.scene.types import FloatArray, Item
-from chord_usd.library.kit.jointed import JOINTED_LAYER, JOINTS, PAYLOAD_LAYER
 
 _JOINTS = ("PhysicsRevoluteJoint", "PhysicsPrismaticJoint")
 

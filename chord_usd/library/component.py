@@ -18,7 +18,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chord_usd.base.scene.articulation import ARTICULATION, FIXED, JOINTED
+from chord_usd.base.scene.articulation import (
+    ARTICULATION,
+    FIXED,
+    JOINTED,
+    JOINTED_LAYER,
+    PAYLOAD_LAYER,
+)
 from chord_usd.base.scene.credits import AUTHOR, LICENCE
 from chord_usd.base.scene.label_sets import wikidata_item
 from chord_usd.library.component_prims import (
@@ -32,7 +38,7 @@ from chord_usd.library.component_prims import (
     write_labels,
 )
 from chord_usd.library.kit.fittings import METAL_VARIANT_SET, METALS, USUAL, fitting_slots
-from chord_usd.library.kit.jointed import JOINTED_LAYER, PAYLOAD_LAYER, SHAPES, write_jointed
+from chord_usd.library.kit.jointed import SHAPES, write_jointed
 from chord_usd.library.kit.links import opens
 from chord_usd.library.kit.model import Design, Part
 from chord_usd.library.material import (

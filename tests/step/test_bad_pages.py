@@ -12,10 +12,9 @@ from PIL import Image
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.types import Plan
-from chord_usd.line.plan.doubts import CUT_OFF
 from chord_usd.line.plan.placement import WARNINGS
 from chord_usd.line.plan.read import read_plan_file
-from chord_usd.line.plan.verdict import VERDICT
+from chord_usd.line.plan.verdict import CUT_OFF, VERDICT
 from chord_usd.workshop.data.houses import random_plan
 
 PLAN = random_plan(np.random.default_rng(5), rooms=5)

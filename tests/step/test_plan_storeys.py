@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from chord_usd.base.scene.geometry import room_polygon
-from chord_usd.base.scene.json_stairs import StoreyPlan, stairs_of
+from chord_usd.base.scene.json_stairs import stairs_of
 from chord_usd.base.scene.stacking import stack
-from chord_usd.base.scene.storeys import Building
+from chord_usd.base.scene.storeys import Building, StoreyPlan
 from chord_usd.line.plan.read import read_storey_plans
 from chord_usd.line.plan.storey_titles import storey_rank, titled
 from chord_usd.line.plan.text import Text

@@ -6,11 +6,17 @@ import pytest
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.types import Box, Opening, Plan, Room, frozen_array
-from chord_usd.line.plan.doubts import CUT_OFF, NO_ROOM, OF_SEVERAL
 from chord_usd.line.plan.openings import CONFIDENCE
-from chord_usd.line.plan.placement import WARNINGS
-from chord_usd.line.plan.scale_choice import CHECK_SCALE
-from chord_usd.line.plan.verdict import doubts_placed, refuse_unsure, symptoms_of, verdict_of
+from chord_usd.line.plan.placement import CHECK_SCALE, WARNINGS
+from chord_usd.line.plan.verdict import (
+    CUT_OFF,
+    NO_ROOM,
+    OF_SEVERAL,
+    doubts_placed,
+    refuse_unsure,
+    symptoms_of,
+    verdict_of,
+)
 
 
 def room(name, kind, west, confidence=0.9):

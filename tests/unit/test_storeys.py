@@ -14,7 +14,7 @@ from shapely.ops import unary_union
 from chord_usd.base.errors import PlanError
 from chord_usd.base.metrics.walk import walk
 from chord_usd.base.scene.geometry import polygons_of, room_polygon
-from chord_usd.base.scene.json_stairs import STAIRS, StoreyPlan, storeys_from_json, storeys_to_json
+from chord_usd.base.scene.json_stairs import storeys_from_json, storeys_to_json
 from chord_usd.base.scene.pose import Pose, posed
 from chord_usd.base.scene.stacking import stack
 from chord_usd.base.scene.stair_cells import is_cell
@@ -22,7 +22,7 @@ from chord_usd.base.scene.stair_elements import STEEP, TO_RULE
 from chord_usd.base.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
 from chord_usd.base.scene.stair_places import DRAWN_STAIRS
 from chord_usd.base.scene.stair_spirals import is_round
-from chord_usd.base.scene.storeys import Building
+from chord_usd.base.scene.storeys import STAIRS, Building, StoreyPlan
 from chord_usd.base.scene.types import Plan, Room, RoomKind
 from chord_usd.workshop.data.storey_houses import random_storeys
 

@@ -10,3 +10,9 @@ FIXED, JOINTED = "fixed", "jointed"
 
 SETTLES_S = 0.4
 """What hangs on a joint and was pushed slows down to a third in this time."""
+
+PAYLOAD_LAYER, JOINTED_LAYER = "payload.usdc", "jointed.usdc"
+"""Layers beside an asset's interface: its geometry, and its bodies and joints."""
+
+JOINTS = "Joints"
+"""The scope of joints in JOINTED_LAYER."""

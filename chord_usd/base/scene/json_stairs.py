@@ -10,7 +10,6 @@ what they show.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
@@ -28,11 +27,9 @@ from chord_usd.base.scene.chord_json import (
 from chord_usd.base.scene.json_elements import Element
 from chord_usd.base.scene.limits import MOST_STAIRS, MOST_STOREYS
 from chord_usd.base.scene.stair_elements import Leads, Stair, StairForm, Turn
+from chord_usd.base.scene.storeys import STAIRS, StoreyPlan
 from chord_usd.base.scene.types import Plan, SceneGraph
 from chord_usd.base.scene.units import cm_from_m, m_from_cm
-
-STAIRS = "stairs"
-"""Key of Plan.extra."""
 
 STOREYS = "storeys"
 _NAME, _SHIFT = "name", "shift"
@@ -50,16 +47,6 @@ def write_storeys(graphs: Sequence[SceneGraph], names: Sequence[str], path: Path
         for name, graph in zip(names, graphs, strict=True)
     ]
     write_atomic(path, json_text({STOREYS: rows}))
-
-
-@dataclass(frozen=True, eq=False)
-class StoreyPlan:
-    """A storey as a file gives it."""
-
-    plan: Plan
-    name: str = ""
-    shift_m: tuple[float, float] | None = None
-    """Where its origin lies in the lowest storey's plan; None where that is to be found out."""
 
 
 def stairs_of(plan: Plan, where: str = "plan") -> tuple[Stair, ...]:

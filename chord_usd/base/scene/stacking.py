@@ -9,7 +9,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.base.errors import PlanError
-from chord_usd.base.scene.json_stairs import StoreyPlan, stairs_of
+from chord_usd.base.scene.json_stairs import stairs_of
 from chord_usd.base.scene.limits import MOST_STOREYS
 from chord_usd.base.scene.pose import Pose, posed
 from chord_usd.base.scene.registration import Registration, register
@@ -23,6 +23,7 @@ from chord_usd.base.scene.storeys import (
     Building,
     Climb,
     Storey,
+    StoreyPlan,
     prefix_of,
     storey_title,
     unused_warnings,

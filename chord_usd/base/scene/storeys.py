@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from chord_usd.base.scene.json_stairs import StoreyPlan, stairs_of
 from chord_usd.base.scene.stair_elements import CEILING_TO_FLOOR_M
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, Item, Opening, Plan, Room, SceneGraph
 
@@ -15,10 +14,23 @@ if TYPE_CHECKING:
     from chord_usd.base.scene.stair_cells import Cell
     from chord_usd.base.scene.stair_forms import BuiltStair
 
+STAIRS = "stairs"
+"""Key of Plan.extra."""
+
 STOREY_M = ROOM_HEIGHT_M + CEILING_TO_FLOOR_M
 """From floor to floor."""
 
 _ORDINALS = ("Ground floor", "First floor", "Second floor", "Third floor")
+
+
+@dataclass(frozen=True, eq=False)
+class StoreyPlan:
+    """A storey as a file gives it."""
+
+    plan: Plan
+    name: str = ""
+    shift_m: tuple[float, float] | None = None
+    """Where its origin lies in the lowest storey's plan; None where that is to be found out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +84,13 @@ def storey_title(index: int) -> str:
 def one_storey(given: StoreyPlan) -> Building:
     """A house of one storey; stairs that it shows lead nowhere. Raises PlanError."""
     name = given.name or storey_title(0)
+    storeys = (Storey(0, name, given.plan, 0.0),)
+    if STAIRS not in given.plan.extra:
+        return Building(storeys, ())
+    from chord_usd.base.scene.json_stairs import stairs_of
+
     up = [stair.id for stair in stairs_of(given.plan, name) if stair.leads == "up"]
-    return Building((Storey(0, name, given.plan, 0.0),), (), unused_warnings(up))
+    return Building(storeys, (), unused_warnings(up))
 
 
 def unused_warnings(stairs: Sequence[str]) -> tuple[str, ...]:

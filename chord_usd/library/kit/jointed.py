@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chord_usd.base.scene.articulation import SETTLES_S
+from chord_usd.base.scene.articulation import JOINTS, PAYLOAD_LAYER, SETTLES_S
 from chord_usd.library.component_prims import (
     bind_feel,
     define_box,
@@ -39,11 +39,10 @@ from chord_usd.library.surfaces.physical import feel_of
 if TYPE_CHECKING:
     from pxr import Usd
 
-PAYLOAD_LAYER, JOINTED_LAYER = "payload.usdc", "jointed.usdc"
 SHAPES = "/Shapes"
 """A class in the payload of a piece that opens: its meshes, which are also those of its base."""
 
-JOINTS, ANCHOR = "Joints", "Anchor"
+ANCHOR = "Anchor"
 
 _SOLID_SHARE, _MOST_KG_PER_M3 = 0.7, 700.0
 """Boards weigh so much of what solid stuff of their finish would; metal and glass are sheets."""

@@ -17,9 +17,7 @@ from chord_usd.line.graph.detect import (
     load_room_segmenter,
 )
 from chord_usd.line.graph.directions import plan_directions
-from chord_usd.line.graph.layout_plan import read_plan
 from chord_usd.line.graph.match import place_items
-from chord_usd.line.graph.network_items import find_foreign_items
 from chord_usd.line.graph.snap import find_items
 from chord_usd.line.graph.tiles import detect_in_tiles, name_in_tiles
 
@@ -55,7 +53,10 @@ def extract_graph(
     """
     pixels = pixels or read_pixels(layout.rgb)
     proposals = detect_in_tiles((detector or _shipped_detector()).detect, layout.rgb)
-    plan = plan or read_plan(pixels, layout.frame)
+    if plan is None:
+        from chord_usd.line.graph.layout_plan import read_plan
+
+        plan = read_plan(pixels, layout.frame)
     nameless = {room.id for room in plan.rooms if room.kind == "unknown"}
     if nameless:
         plan = name_in_tiles((segmenter or _shipped_segmenter()).segment, plan, layout)
@@ -63,6 +64,8 @@ def extract_graph(
     if pixels.clean or not proposals:
         found = find_items(pixels, layout.frame.m_per_px, directions, proposals)
     else:
+        from chord_usd.line.graph.network_items import find_foreign_items
+
         m_per_px = layout.frame.m_per_px
         found = find_foreign_items(pixels, layout.rgb, m_per_px, directions, proposals)
     items = place_items(found, plan.rooms, layout.frame)

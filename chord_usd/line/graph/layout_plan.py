@@ -15,9 +15,7 @@ import numpy.typing as npt
 from chord_usd.base.errors import SceneError
 from chord_usd.base.raster.vectorize import RotatedBox, rotated_box_from_mask
 from chord_usd.base.raster.windows import components, label_windows
-from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import PLAN_CATEGORIES
-from chord_usd.base.scene.room_areas import plausibility
 from chord_usd.base.scene.types import (
     BASE_AND_HEIGHT_M,
     WALL_THICKNESS_M,
@@ -28,12 +26,10 @@ from chord_usd.base.scene.types import (
     PixelFrame,
     Plan,
     Room,
-    RoomKind,
     frozen_array,
 )
-from chord_usd.base.scene.units import m_from_px, px_from_m
+from chord_usd.base.scene.units import m_from_px
 from chord_usd.line.graph.colours import CLEAR, SHADE_KINDS, LayoutPixels
-from chord_usd.line.graph.detect import RoomProposal
 from chord_usd.line.graph.faces import settle_faces
 from chord_usd.line.graph.outlines import outline_of
 from chord_usd.line.graph.wall_sides import Walls
@@ -46,8 +42,6 @@ _STRAIGHT = 0.7
 """A straight bar fills so much of its rotated box; one round a corner does not."""
 _WHITE = SHADE_KINDS.index("unknown")
 _CLASSES = {row.name: row.detector_class for row in PLAN_CATEGORIES}
-_SURE = 0.1
-"""Least confidence times overlap with the room at which the network's word for it is taken."""
 
 
 def read_plan(pixels: LayoutPixels, frame: PixelFrame) -> Plan:
@@ -73,32 +67,6 @@ def read_plan(pixels: LayoutPixels, frame: PixelFrame) -> Plan:
     bars += [("passage", part.box()) for part in passages]
     openings = _openings(bars, rooms, frame)
     return Plan(tuple(rooms), tuple(openings))
-
-
-def name_rooms(plan: Plan, proposals: Sequence[RoomProposal], frame: PixelFrame) -> Plan:
-    """Give rooms of unknown kind the kind of the proposal that fits them best, if one fits."""
-    rooms = tuple(
-        replace(room, kind=_kind_of(room, proposals, frame)) if room.kind == "unknown" else room
-        for room in plan.rooms
-    )
-    return replace(plan, rooms=rooms)
-
-
-def _kind_of(room: Room, proposals: Sequence[RoomProposal], frame: PixelFrame) -> RoomKind:
-    if not proposals:
-        return room.kind
-    floor = np.zeros(proposals[0].mask.shape, dtype=np.uint8)
-    corners = np.rint((px_from_m(room.polygon_m, frame) - 0.5) * 16).astype(np.int32)
-    cv2.fillPoly(floor, [corners], (1,), shift=4)
-    inside, area_m2 = floor > 0, room_polygon(room).area
-    votes: dict[RoomKind, float] = {}
-    for proposal in proposals:
-        both = (proposal.mask & inside).sum()
-        overlap = float(both / max(1, (proposal.mask | inside).sum()))
-        vote = overlap * proposal.score * plausibility(proposal.kind, area_m2)
-        votes[proposal.kind] = max(votes.get(proposal.kind, 0.0), vote)
-    best = max(votes, key=lambda kind: votes[kind])
-    return best if votes[best] >= _SURE else room.kind
 
 
 def _passages(pixels: LayoutPixels, frame: PixelFrame) -> list[_Part]:

@@ -10,9 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 
+from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import BACKGROUND_RGB
+from chord_usd.base.scene.room_areas import plausibility
 from chord_usd.base.scene.types import (
     CANVAS_PX,
     ByteArray,
@@ -21,16 +24,20 @@ from chord_usd.base.scene.types import (
     LayoutImage,
     PixelFrame,
     Plan,
+    Room,
+    RoomKind,
     frozen_array,
 )
 from chord_usd.base.scene.units import px_from_m
 from chord_usd.line.graph.detect import RoomProposal
-from chord_usd.line.graph.layout_plan import name_rooms
 
 HALO_PX = 48
 """At the coarsest scale of a plan, 3.4 m."""
 
 _CORE_PX = CANVAS_PX - 2 * HALO_PX
+
+_SURE = 0.1
+"""Least confidence times overlap with the room at which the network's word for it is taken."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,3 +115,29 @@ def _frame_of(tile: Tile, frame: PixelFrame) -> PixelFrame:
     x_m, y_m = frame.origin_m
     origin_m = (x_m + left * frame.m_per_px, y_m + below_px * frame.m_per_px)
     return PixelFrame(frame.m_per_px, origin_m, CANVAS_PX)
+
+
+def name_rooms(plan: Plan, proposals: Sequence[RoomProposal], frame: PixelFrame) -> Plan:
+    """Give rooms of unknown kind the kind of the proposal that fits them best, if one fits."""
+    rooms = tuple(
+        replace(room, kind=_kind_of(room, proposals, frame)) if room.kind == "unknown" else room
+        for room in plan.rooms
+    )
+    return replace(plan, rooms=rooms)
+
+
+def _kind_of(room: Room, proposals: Sequence[RoomProposal], frame: PixelFrame) -> RoomKind:
+    if not proposals:
+        return room.kind
+    floor = np.zeros(proposals[0].mask.shape, dtype=np.uint8)
+    corners = np.rint((px_from_m(room.polygon_m, frame) - 0.5) * 16).astype(np.int32)
+    cv2.fillPoly(floor, [corners], (1,), shift=4)
+    inside, area_m2 = floor > 0, room_polygon(room).area
+    votes: dict[RoomKind, float] = {}
+    for proposal in proposals:
+        both = (proposal.mask & inside).sum()
+        overlap = float(both / max(1, (proposal.mask | inside).sum()))
+        vote = overlap * proposal.score * plausibility(proposal.kind, area_m2)
+        votes[proposal.kind] = max(votes.get(proposal.kind, 0.0), vote)
+    best = max(votes, key=lambda kind: votes[kind])
+    return best if votes[best] >= _SURE else room.kind

@@ -20,11 +20,10 @@ from chord_usd.base.runtime.progress import Progress, Stopwatch
 from chord_usd.base.scene.drawn_pieces import Placed
 from chord_usd.base.scene.dwellings import is_common
 from chord_usd.base.scene.estimates import Estimate, of_furnishing, of_stage
-from chord_usd.base.scene.json_stairs import StoreyPlan, is_storeys, storeys_from_json
 from chord_usd.base.scene.limits import MOST_JSON_BYTES, SEEDS
 from chord_usd.base.scene.settings import Settings
 from chord_usd.base.scene.stair_cells import is_cell
-from chord_usd.base.scene.storeys import Building, Storey, one_storey, storey_title
+from chord_usd.base.scene.storeys import Building, Storey, StoreyPlan, one_storey, storey_title
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph, StageFile
 from chord_usd.line.pipeline import steps
@@ -390,6 +389,8 @@ def storeys_in(file: Path) -> tuple[StoreyPlan, ...]:
     """The storeys in a JSON file that holds several; none for any other file. Raises PlanError."""
     if file.suffix.lower() != ".json":
         return ()
+    from chord_usd.base.scene.json_stairs import is_storeys, storeys_from_json
+
     refuse_odd_file(file, PlanError, MOST_JSON_BYTES)
     data = parse_json(file.read_bytes(), str(file), PlanError)
     return storeys_from_json(data, str(file)) if is_storeys(data) else ()

@@ -10,41 +10,37 @@ import numpy as np
 from shapely.geometry import Point, Polygon
 
 from chord_usd.base.errors import PlanError
-from chord_usd.base.scene.geometry import hanging_together, room_polygon, seams
+from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.room_names import room_kind
 from chord_usd.base.scene.types import (
     OPEN,
     SURROUNDS,
     WET_KINDS,
     FloatArray,
-    Opening,
     PixelFrame,
     Plan,
-    Room,
     RoomKind,
 )
 from chord_usd.base.scene.units import m_from_px, px_from_m
 from chord_usd.line.plan.fitted import Fit
 from chord_usd.line.plan.labels import texts_in
 from chord_usd.line.plan.measures import distinct, parse_measure
-from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.parts import built_parts
+from chord_usd.line.plan.placement import CHECK_SCALE
 from chord_usd.line.plan.regions import Regions
-from chord_usd.line.plan.scale_choice import CHECK_SCALE
 from chord_usd.line.plan.text import Text
-
-OF_SEVERAL = "what is printed there is of several rooms"
-NO_ROOM = "no room was found where"
-CUT_OFF = "the drawing seems to be cut off"
-"""Parts of doubts by which a verdict knows them."""
+from chord_usd.line.plan.verdict import (
+    CUT_OFF,
+    NO_ROOM,
+    OF_SEVERAL,
+    is_shaky,
+    is_vague,
+    reached_together,
+)
 
 _HOUSE_M2 = (4.0, 3000.0)
 _LEAST_COVERED = 0.35
 """Share of what the walls surround that must be rooms; where it is less, walls were missed."""
-
-_UNCERTAIN = 0.5
-_UNCERTAIN_ROOM = 0.6
-"""Least chance of an opening, and of a room's floor and rim, that goes without a word."""
 
 _MOST_LISTED = 6
 
@@ -65,9 +61,6 @@ _CLOSED_SHARE = 0.5
 
 _WALLS_NEAR = 2.5
 """A room so many wall thicknesses from the picture's edge ends there."""
-
-_TOUCH_M = 0.01
-"""Rooms so near have no wall between: one walks from one to the other."""
 
 _NAME_REACH_M = 0.4
 """A name may stand on the wall of its room."""
@@ -97,16 +90,6 @@ def is_all_guessed(plan: Plan) -> bool:
     return all(is_shaky(room) and OPEN in room.extra for room in plan.rooms) and all(
         is_vague(opening) for opening in plan.openings
     )
-
-
-def is_shaky(room: Room) -> bool:
-    """Whether a room's floor or rim is unsure."""
-    return bool(room.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN_ROOM)
-
-
-def is_vague(opening: Opening) -> bool:
-    """Whether it is unsure what an opening is."""
-    return bool(opening.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN)
 
 
 def _surrounded_px(polygons_px: Sequence[FloatArray], regions: Regions) -> float:
@@ -223,20 +206,6 @@ def _in_no_room(plan: Plan, names: Sequence[Text], frame: PixelFrame) -> Iterato
         is_told = any(name.text in room.name for room in plan.rooms)
         if is_within and not is_told and not any(f.contains(Point(*place)) for f in floors):
             yield name.text
-
-
-def reached_together(plan: Plan) -> list[list[str]]:
-    """Ids of rooms that doors and passages join, or that touch, the largest group first."""
-    ids = [room.id for room in plan.rooms]
-    index_of = {room_id: index for index, room_id in enumerate(ids)}
-    touching = seams([room_polygon(room) for room in plan.rooms], _TOUCH_M)
-    pairs = [(one, other) for one, other, _ in touching]
-    for opening in plan.openings:
-        if opening.kind != "window" and len(opening.room_ids) == 2:
-            one, other = (index_of[room_id] for room_id in opening.room_ids)
-            pairs.append((one, other))
-    groups = [[ids[index] for index in group] for group in hanging_together(len(ids), pairs)]
-    return sorted(groups, key=lambda group: (-len(group), group))
 
 
 def _is_several(texts: Sequence[str], kinds: Sequence[RoomKind]) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -20,7 +21,9 @@ from chord_usd.base.scene.types import (
     PixelFrame,
 )
 from chord_usd.base.scene.units import m_from_px
-from chord_usd.line.plan.wall_openings import WallOpening
+
+if TYPE_CHECKING:
+    from chord_usd.line.plan.wall_openings import WallOpening
 
 CONFIDENCE = "confidence"
 """Key of Room.extra and Opening.extra: how sure the reading of a drawing is, [0, 1]."""

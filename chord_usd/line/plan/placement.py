@@ -17,6 +17,9 @@ PAGE = "page"
 WARNINGS = "warnings"
 """Key of Plan.extra: sentences about what a user should know of the plan."""
 
+CHECK_SCALE = "check --scale"
+"""Ends warnings about the scale."""
+
 
 def placement(frame: PixelFrame) -> Mapping[str, Any]:
     """The entry for Plan.extra that remembers a picture's frame."""

@@ -13,11 +13,10 @@ from chord_usd.base.errors import PlanError
 from chord_usd.base.metrics.walk import walk
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.scene import palette
-from chord_usd.base.scene.chord_json import read_plan
 from chord_usd.base.scene.geometry import extent_m
-from chord_usd.base.scene.json_stairs import StoreyPlan
 from chord_usd.base.scene.limits import LARGEST_HOUSE_M
 from chord_usd.base.scene.room_names import room_kinds
+from chord_usd.base.scene.storeys import StoreyPlan
 from chord_usd.base.scene.types import ByteArray, Plan, PlanImage
 from chord_usd.base.scene.wet_rooms import with_wet_kinds
 from chord_usd.line.plan.decode import decode_plan
@@ -127,7 +126,11 @@ def _read(path: Path, scale: float | None, part: int, is_open: bool) -> Plan:
             if named and (named.openings or not is_svg(path))
             else _plan_of_looks(path, scale, part, named, is_open)
         )
-    return read_plan(path) if _is_json(path) else _plan_of_picture(path, scale, part, is_open)
+    if not _is_json(path):
+        return _plan_of_picture(path, scale, part, is_open)
+    from chord_usd.base.scene.chord_json import read_plan
+
+    return read_plan(path)
 
 
 def _is_json(path: Path) -> bool:

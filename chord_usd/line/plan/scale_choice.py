@@ -11,13 +11,11 @@ import numpy as np
 
 from chord_usd.base.scene.types import BoolArray, FloatArray
 from chord_usd.line.plan.paper_scale import usual_scale
+from chord_usd.line.plan.placement import CHECK_SCALE
 from chord_usd.line.plan.printed import Estimate
 
 SCALE = "scale"
 """Key of Plan.extra: what Scale.report says."""
-
-CHECK_SCALE = "check --scale"
-"""Ends warnings about the scale."""
 
 USUAL_DOOR_M = 0.8
 """Between the jambs, inside a home."""

@@ -12,18 +12,10 @@ from dataclasses import astuple, dataclass, replace
 from typing import Any, Literal
 
 from chord_usd.base.errors import PlanError
-from chord_usd.base.scene.geometry import room_polygon
-from chord_usd.base.scene.types import Plan
-from chord_usd.line.plan.doubts import (
-    CUT_OFF,
-    NO_ROOM,
-    OF_SEVERAL,
-    is_shaky,
-    is_vague,
-    reached_together,
-)
-from chord_usd.line.plan.placement import WARNINGS
-from chord_usd.line.plan.scale_choice import CHECK_SCALE
+from chord_usd.base.scene.geometry import hanging_together, room_polygon, seams
+from chord_usd.base.scene.types import Opening, Plan, Room
+from chord_usd.line.plan.openings import CONFIDENCE
+from chord_usd.line.plan.placement import CHECK_SCALE, WARNINGS
 
 Verdict = Literal["right", "look", "wrong"]
 VERDICT = "verdict"
@@ -34,6 +26,18 @@ JOINED = "joinedFloors"
 SAID: dict[str, str] = {
     "right": "probably right", "look": "look at the overlay", "wrong": "probably wrong",
 }  # fmt: skip
+
+OF_SEVERAL = "what is printed there is of several rooms"
+NO_ROOM = "no room was found where"
+CUT_OFF = "the drawing seems to be cut off"
+"""Parts of doubts by which a verdict knows them."""
+
+_UNCERTAIN = 0.5
+_UNCERTAIN_ROOM = 0.6
+"""Least chance of an opening, and of a room's floor and rim, that goes without a word."""
+
+_TOUCH_M = 0.01
+"""Rooms so near have no wall between: one walks from one to the other."""
 
 _LOOK, _WRONG = 0.35, 2.3
 """Sums of symptoms, each with its weight, from which on a reading is doubtful, and wrong."""
@@ -150,3 +154,27 @@ def _rounded(spot: Sequence[float]) -> list[float]:
 
 def _told(plan: Plan) -> list[str]:
     return [str(one) for one in plan.extra.get(WARNINGS, ())]
+
+
+def is_shaky(room: Room) -> bool:
+    """Whether a room's floor or rim is unsure."""
+    return bool(room.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN_ROOM)
+
+
+def is_vague(opening: Opening) -> bool:
+    """Whether it is unsure what an opening is."""
+    return bool(opening.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN)
+
+
+def reached_together(plan: Plan) -> list[list[str]]:
+    """Ids of rooms that doors and passages join, or that touch, the largest group first."""
+    ids = [room.id for room in plan.rooms]
+    index_of = {room_id: index for index, room_id in enumerate(ids)}
+    touching = seams([room_polygon(room) for room in plan.rooms], _TOUCH_M)
+    pairs = [(one, other) for one, other, _ in touching]
+    for opening in plan.openings:
+        if opening.kind != "window" and len(opening.room_ids) == 2:
+            one, other = (index_of[room_id] for room_id in opening.room_ids)
+            pairs.append((one, other))
+    groups = [[ids[index] for index in group] for group in hanging_together(len(ids), pairs)]
+    return sorted(groups, key=lambda group: (-len(group), group))

@@ -11,9 +11,9 @@ from shapely import affinity
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.decoders import decode
-from chord_usd.base.scene.json_stairs import STAIRS, stair_to_json
+from chord_usd.base.scene.json_stairs import stair_to_json
 from chord_usd.base.scene.stair_places import StairShape, placed_stair, with_stairwell
-from chord_usd.base.scene.storeys import STOREY_M
+from chord_usd.base.scene.storeys import STAIRS, STOREY_M
 from chord_usd.base.scene.types import Plan
 from chord_usd.line.plan.placement import WARNINGS
 from chord_usd.line.plan.scale_choice import SCALE
