@@ -17,7 +17,7 @@ from chord_usd.line.layout.network import LayoutNetwork
 from chord_usd.line.layout.sample import LayoutModel
 from chord_usd.line.layout.torch_denoiser import TorchDenoiser
 from chord_usd.line.layout.transfer import take_up
-from chord_usd.workshop.training.drafts import rough_draft
+from chord_usd.workshop.training.stream import rough_draft
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chord_usd.line.stage.export.exchange.mjcf_geoms import Shape
-from chord_usd.line.stage.export.exchange.mjcf_inertia import inertia_of
+from chord_usd.line.stage.export.exchange.mjcf_masses import inertia_of
 
 SOLIDS = {
     "box": {"type": "box", "size": "0.1 0.2 0.3", "pos": "0.1 0.2 -0.3", "quat": "0.8 0.6 0 0"},

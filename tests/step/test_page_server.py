@@ -25,7 +25,7 @@ if not find_spec("nicegui"):
 import uvicorn
 from starlette.testclient import TestClient
 
-from chord_usd.faces.page import timed_protocol
+from chord_usd.faces.page import serving
 from chord_usd.faces.page.application import make_application
 from tests.page_stand_in import (
     BED,
@@ -306,9 +306,9 @@ def test_the_verb_serves_lightly_and_ends_in_order(
 
 def test_half_a_head_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whoever sends a header now and then would keep a connection for ever."""
-    monkeypatch.setattr(timed_protocol, "HEAD_S", 0.5)
+    monkeypatch.setattr(serving, "HEAD_S", 0.5)
     app = make_application(tmp_path, token="secret", run=StandIn())
-    config = uvicorn.Config(app, port=0, http=timed_protocol.TimedProtocol, log_config=None)
+    config = uvicorn.Config(app, port=0, http=serving.TimedProtocol, log_config=None)
     running = uvicorn.Server(config)
     thread = threading.Thread(target=running.run, daemon=True)
     thread.start()

@@ -21,8 +21,12 @@ from chord_usd.line.planning.sketcher import GRAPH_INPUTS, Sketcher, load_sketch
 from chord_usd.workshop.evaluation.floors import held_out_cases
 from chord_usd.workshop.evaluation.sketch_sheet import draw_sketches
 from chord_usd.workshop.training.sketch_data import Procedural, batch_of, endless_batches, held_out
-from chord_usd.workshop.training.sketch_network import SketchNetwork
-from chord_usd.workshop.training.sketch_trainer import SketchTraining, batch_loss, train_sketches
+from chord_usd.workshop.training.sketch_trainer import (
+    SketchNetwork,
+    SketchTraining,
+    batch_loss,
+    train_sketches,
+)
 
 HOUSES = Procedural(40, 0)
 

@@ -13,7 +13,7 @@ from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSemantics
 from chord_usd.base.errors import StageError
 from chord_usd.base.scene.geometry import footprint, room_polygon
 from chord_usd.base.scene.types import SceneGraph
-from chord_usd.line.stage.read.summary import StageSummary, summary
+from chord_usd.line.stage.read.describe import StageSummary, summary
 from chord_usd.line.stage.shell.walls import build_walls
 
 

@@ -17,9 +17,8 @@ from chord_usd.line.image.marks import read_marks
 from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.edit.refurnish import NewFurniture, refurnish
 from chord_usd.line.stage.edit.staged_house import read_house
-from chord_usd.line.stage.read.describe import describe_stage
+from chord_usd.line.stage.read.describe import describe_stage, summary
 from chord_usd.line.stage.read.diff import diff_stages
-from chord_usd.line.stage.read.summary import summary
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ from chord_usd.base.scene.types import Asset, SceneGraph
 from chord_usd.library.looks.look_library import StyleLooks
 from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check.check_stage import check_stage
-from chord_usd.line.stage.read.summary import summary
+from chord_usd.line.stage.read.describe import summary
 
 LooksOf = Callable[[int], StyleLooks]
 

@@ -16,7 +16,7 @@ from chord_usd.base.scene.geometry import front_direction
 from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import PixelFrame
 from chord_usd.line.plan.seen_pieces import SeenPiece, as_items, load_finder
-from chord_usd.workshop.data.drawn.many_symbols import DRAWN
+from chord_usd.workshop.data.drawn.furniture_symbols import DRAWN
 from chord_usd.workshop.training.symbols_data import (
     CROP_PX,
     Crop,

@@ -25,11 +25,10 @@ from chord_usd.cli import build_parser, main
 from chord_usd.workshop.data.furnish import furnish
 from chord_usd.workshop.data.houses import random_plan
 from chord_usd.workshop.data.kept_set import KeptHouse, read_kept, write_kept
-from chord_usd.workshop.training.eight_bits import pack, unpack
 from chord_usd.workshop.training.held_out import HeldOut, curve_of, draw_curve, slope_left
 from chord_usd.workshop.training.loop import Lesson, RunConfig, train, write_weights
 from chord_usd.workshop.training.next_network import standings
-from chord_usd.workshop.training.weights import WARM_SHARE, Weights, warm_and_cool
+from chord_usd.workshop.training.weights import WARM_SHARE, Weights, pack, unpack, warm_and_cool
 
 QUICK = RunConfig(
     minutes=0.01, batch=1, learning_rate=1e-2, warmup_steps=200, cooldown_share=0.5,

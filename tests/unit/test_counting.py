@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from chord_usd.base.runtime.counting import counted
-from chord_usd.faces.page import addresses
+from chord_usd.faces.page import serving
 
 COMMANDS = Path(__file__).parents[2] / "chord_usd/faces/commands"
 COUNTED = re.compile(
@@ -37,15 +37,15 @@ def test_verbs_count_through_one_function() -> None:
     ("host", "shown"), [("127.0.0.1", "127.0.0.1"), ("::1", "[::1]"), ("192.0.2.7", "192.0.2.7")]
 )
 def test_an_interface_is_its_address(host: str, shown: str) -> None:
-    assert addresses.shown_address(host) == shown
+    assert serving.shown_address(host) == shown
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::"])
 def test_all_interfaces_have_an_address_that_others_can_use(
     host: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert not ipaddress.ip_address(addresses.shown_address(host).strip("[]")).is_unspecified
-    monkeypatch.setattr(addresses, "_addresses", lambda: ["127.0.0.1", "192.0.2.7"])
-    assert addresses.shown_address(host) == "192.0.2.7"
-    monkeypatch.setattr(addresses, "_addresses", lambda: ["127.0.0.1"])
-    assert addresses.shown_address(host) == "127.0.0.1"
+    assert not ipaddress.ip_address(serving.shown_address(host).strip("[]")).is_unspecified
+    monkeypatch.setattr(serving, "_addresses", lambda: ["127.0.0.1", "192.0.2.7"])
+    assert serving.shown_address(host) == "192.0.2.7"
+    monkeypatch.setattr(serving, "_addresses", lambda: ["127.0.0.1"])
+    assert serving.shown_address(host) == "127.0.0.1"

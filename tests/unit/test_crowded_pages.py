@@ -28,8 +28,7 @@ from chord_usd.base.raster.page_labels import (
 )
 from chord_usd.base.scene.geometry import footprint, room_polygon
 from chord_usd.base.scene.types import ByteArray, FloatArray
-from chord_usd.workshop.data.drawn.crowded import draw_page
-from chord_usd.workshop.data.drawn.open_kitchens import with_open_kitchen
+from chord_usd.workshop.data.drawn.crowded import draw_page, with_open_kitchen
 from chord_usd.workshop.data.drawn.page_looks import KINDS, Look, random_look
 from chord_usd.workshop.data.drawn.truth import CrowdedPage
 from chord_usd.workshop.data.houses import random_plan

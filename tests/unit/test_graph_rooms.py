@@ -12,10 +12,7 @@ from chord_usd.base.raster import canvas
 from chord_usd.base.raster.vectorize import polygon_from_mask
 from chord_usd.base.scene.types import FloatArray, LayoutImage, Plan, Room, frozen_array
 from chord_usd.line.graph.colours import CLEAR, read_pixels
-from chord_usd.line.graph.faces import settle_faces
-from chord_usd.line.graph.layout_plan import read_plan
-from chord_usd.line.graph.outlines import outline_of
-from chord_usd.line.graph.wall_sides import Walls
+from chord_usd.line.graph.layout_plan import Walls, outline_of, read_plan, settle_faces
 from chord_usd.workshop.data.houses import random_plan
 
 SPANS = st.tuples(st.integers(0, 8), st.integers(9, 24))

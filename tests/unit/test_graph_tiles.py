@@ -7,7 +7,7 @@ import pytest
 from chord_usd.base.scene.types import CANVAS_PX, Detection, LayoutImage, PixelFrame, Plan, Room
 from chord_usd.base.scene.units import m_from_px
 from chord_usd.line.graph.detect import RoomProposal
-from chord_usd.line.graph.tiles import HALO_PX, detect_in_tiles, name_in_tiles, tiles_of
+from chord_usd.line.graph.extract import HALO_PX, detect_in_tiles, name_in_tiles, tiles_of
 
 
 def _blobs(rgb):

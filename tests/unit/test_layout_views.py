@@ -8,8 +8,7 @@ from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import CANVAS_PX, Box, Opening, Plan, PlanImage, Room
 from chord_usd.line.layout.condition import FLOOR_PLANE, floor_regions, plan_condition
 from chord_usd.line.layout.denoiser import Estimate, Plans
-from chord_usd.line.layout.mosaic import mosaic_of
-from chord_usd.line.layout.views import OVERLAP_M, cut_views
+from chord_usd.line.layout.mosaic import OVERLAP_M, cut_views, mosaic_of
 from chord_usd.workshop.data.houses import random_plan
 
 STEP_PX = 32

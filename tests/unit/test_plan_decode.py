@@ -19,8 +19,7 @@ from chord_usd.base.scene.types import (
     RoomKind,
     frozen_array,
 )
-from chord_usd.line.plan.decode import decode_plan
-from chord_usd.line.plan.scale import wall_thickness_px
+from chord_usd.line.plan.decode import decode_plan, wall_thickness_px
 from chord_usd.workshop.data.houses import random_plan
 
 Kinds = tuple[RoomKind, RoomKind]

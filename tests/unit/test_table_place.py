@@ -13,8 +13,13 @@ from chord_usd.base.raster.table_top import TableTop
 from chord_usd.base.scene.geometry import footprint, footprint_polygon, in_world
 from chord_usd.base.scene.types import Asset, Box, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.line.graph.table_place import Laid, place_on
-from chord_usd.line.graph.tabletop import lay_pieces, table_views, with_items
-from chord_usd.line.graph.top_view import is_too_small, view_from_above
+from chord_usd.line.graph.tabletop import (
+    is_too_small,
+    lay_pieces,
+    table_views,
+    view_from_above,
+    with_items,
+)
 
 TOP_M = 0.75
 ROOM = Room("a", "living", frozen_array([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]))

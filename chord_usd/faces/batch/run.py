@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import closing, suppress
+import faulthandler
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from types import FrameType
+from typing import NoReturn
 
-from chord_usd.base.errors import OutputError, reason_of
+from chord_usd.base.errors import ChordError, OutputError, reason_of
 from chord_usd.base.runtime import interrupts
 from chord_usd.base.runtime.progress import Progress, Stopwatch
 from chord_usd.base.runtime.scratch import sweep
@@ -16,7 +21,7 @@ from chord_usd.faces.batch.engine import Engine, Load, Result
 from chord_usd.faces.batch.failures import forget_failures, note_failures
 from chord_usd.faces.batch.index import rows, write_index, write_parquet
 from chord_usd.faces.batch.lock import locked
-from chord_usd.faces.batch.make import Maker, pictures_recipe
+from chord_usd.faces.batch.make import Make, Maker, pictures_recipe
 from chord_usd.faces.batch.records import (
     HOUSE_RECORD,
     PICTURES_FOLDER,
@@ -25,7 +30,6 @@ from chord_usd.faces.batch.records import (
     finished,
 )
 from chord_usd.faces.batch.shards import write_shards
-from chord_usd.faces.batch.time_limit import limited
 from chord_usd.faces.batch.work_units import Order, Unit
 
 
@@ -187,3 +191,46 @@ def _sweep(folder: Path) -> None:
 def _remove_empty(folder: Path) -> None:
     with suppress(OSError):
         folder.rmdir()
+
+
+# A limit to the time that a unit may take. Runs in the workers -----------------------------------
+
+_GRACE_S = 60.0
+"""What a library that hears no signal gets more; then the worker ends, with a traceback."""
+
+
+class _Late(BaseException):
+    """Not an Exception, which somebody on the way could take for another error."""
+
+
+def limited(load: Load, seconds: float) -> Make:
+    """What load makes, for as long as a unit takes no more than this. Picklable in part."""
+    return partial(_make_in_time, load(), seconds)
+
+
+def _make_in_time(make: Make, seconds: float, unit: Unit) -> None:
+    try:
+        with _alarm(seconds):
+            make(unit)
+    except _Late:
+        raise ChordError(
+            f"took longer than {seconds / 60:g} minutes", where=unit.name, try_="--timeout MINUTES"
+        ) from None
+
+
+@contextmanager
+def _alarm(seconds: float) -> Iterator[None]:
+    stderr = sys.__stderr__ or sys.stderr
+    faulthandler.dump_traceback_later(seconds + _GRACE_S, exit=True, file=stderr)
+    before = signal.signal(signal.SIGALRM, _ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+        faulthandler.cancel_dump_traceback_later()
+
+
+def _ring(number: int, frame: FrameType | None) -> NoReturn:
+    raise _Late

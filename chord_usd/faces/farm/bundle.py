@@ -9,9 +9,11 @@ understand.
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, distribution
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -24,7 +26,6 @@ from chord_usd.base.runtime.json_text import parse_json
 from chord_usd.base.runtime.locations import absolute
 from chord_usd.base.runtime.stages import StageFiles
 from chord_usd.base.runtime.targets import FolderMode
-from chord_usd.faces.farm.environment import pinned
 from chord_usd.faces.farm.slurm import Host, slurm_scripts
 
 TEMPLATE_FILE = "template.json"
@@ -283,3 +284,30 @@ def _files(work: Work) -> tuple[Path, ...]:
 
 def _root(work: Work) -> Path:
     return absolute(work.stage).parent
+
+
+# The packages that this program runs with, by their exact versions -------------------------------
+
+_NAME = re.compile(r"[A-Za-z0-9][\w.-]*")
+
+
+def pinned(package: str = "chord-usd") -> list[str]:
+    """Lines for `pip install -r`: the package and all that it needs, extras left out."""
+    versions: dict[str, str] = {}
+    due = [package]
+    while due:
+        name = due.pop()
+        key = re.sub(r"[-_.]+", "-", name).lower()
+        if key in versions:
+            continue
+        try:
+            installed = distribution(name)
+        except PackageNotFoundError:  # of another system
+            continue
+        versions[key] = f"{key}=={installed.version}"
+        due += [
+            match[0]
+            for line in installed.requires or ()
+            if "extra ==" not in line and (match := _NAME.match(line))
+        ]
+    return sorted(versions.values())

@@ -5,19 +5,22 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import fcntl
+import ipaddress
 import os
 import secrets
 import signal
 import socket
+import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
+import h11
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from chord_usd.base.errors import ChordError, OutputError, reason_of
-from chord_usd.faces.page.addresses import shown_address
 from chord_usd.faces.page.application import make_application
-from chord_usd.faces.page.timed_protocol import TimedProtocol
 
 LOCK = ".server.lock"
 SHUTDOWN_S = 5
@@ -100,3 +103,83 @@ def _listening(host: str, port: int) -> Iterator[socket.socket]:
             ) from error
         listener.listen(128)
         yield listener
+
+
+# Addresses of this machine, as a browser elsewhere asks for them ---------------------------------
+
+_SIOCGIFADDR = 0x8915
+"""The request of Linux for the IPv4 address of an interface."""
+
+
+def shown_address(host: str) -> str:
+    """The host part of the address of a server, as other machines can use it.
+
+    host: the interface that it listens on. For all interfaces (0.0.0.0, ::) it is the IPv4 address
+    of the first that is not loopback, else that of loopback. Nothing is sent or looked up.
+    """
+    if ipaddress.ip_address(host).is_unspecified:
+        reachable = [one for one in _addresses() if not ipaddress.ip_address(one).is_loopback]
+        host = (reachable or ["127.0.0.1"])[0]
+    return f"[{host}]" if ":" in host else host
+
+
+def _addresses() -> list[str]:
+    """IPv4 addresses of the interfaces, in their order."""
+    found = []
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
+        for _, name in socket.if_nameindex():
+            request = struct.pack("256s", name.encode()[:15])
+            try:
+                answer = fcntl.ioctl(asked.fileno(), _SIOCGIFADDR, request)
+            except OSError:  # it has none
+                continue
+            found.append(socket.inet_ntoa(answer[20:24]))
+    return found
+
+
+# HTTP with a limit of time for the head of a request, which uvicorn itself waits for -------------
+
+HEAD_S = 10.0
+"""From the connection, or from the first byte after an answer, to the end of the head."""
+
+
+class TimedProtocol(H11Protocol):
+    """Closes connections that send half a head, however slowly they go on."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._head_timer: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._time_head()
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        self._time_head()
+
+    def on_response_complete(self) -> None:
+        super().on_response_complete()
+        if self.conn.trailing_data[0]:
+            self._time_head()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._end_timer()
+        super().connection_lost(exc)
+
+    def _time_head(self) -> None:
+        """Begin to count where a head is due, and end where it is there."""
+        if self.conn.their_state is not h11.IDLE:
+            self._end_timer()
+        elif self._head_timer is None:
+            self._head_timer = self.loop.call_later(HEAD_S, self._close)
+
+    def _end_timer(self) -> None:
+        if self._head_timer:
+            self._head_timer.cancel()
+        self._head_timer = None
+
+    def _close(self) -> None:
+        self._head_timer = None
+        if self.conn.their_state is h11.IDLE and not self.transport.is_closing():
+            self.transport.close()

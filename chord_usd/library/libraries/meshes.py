@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from trimesh.resolvers import Resolver
 
 from chord_usd.base.errors import AssetError, ChordError
 from chord_usd.base.runtime.decoders import decode
 from chord_usd.base.runtime.stages import count_prims, open_known, walk
 from chord_usd.base.scene.types import ByteArray, FloatArray, frozen_array
-from chord_usd.library.libraries.beside import Beside
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -262,3 +263,41 @@ def _usd_material(
     red, green, blue = (round(255 * max(0.0, min(1.0, v)) ** (1 / 2.2)) for v in linear)
     rgb = (red, green, blue)
     return rgb, values["roughness"], values["metallic"], values["opacity"], image
+
+
+# The files that an OBJ or a glTF names: materials, textures, buffers -----------------------------
+
+MOST_BYTES = 600 * 2**20
+
+
+class Beside(Resolver):  # type: ignore[misc]
+    """What trimesh asks for files by name; it gives none from outside a library."""
+
+    def __init__(self, folder: Path, home: Path) -> None:
+        """folder: where names start from; home: where files have to lie, links followed."""
+        self._folder, self._home = folder, home
+        self.refused = ""
+        """The last name that led outside."""
+
+    def get(self, name: str) -> bytes:
+        """The bytes of a file. Raises FileNotFoundError."""
+        name = name.strip()
+        place = Path(os.path.realpath(self._folder / name.replace("\\", "/")))
+        if not place.is_relative_to(self._home):
+            self.refused = name
+            raise FileNotFoundError(name)
+        if not place.is_file() or place.stat().st_size > MOST_BYTES:
+            raise FileNotFoundError(name)
+        return place.read_bytes()
+
+    def write(self, name: str, data: bytes) -> None:
+        """Part of what trimesh calls a resolver; reading needs none of it."""
+        raise NotImplementedError
+
+    def namespaced(self, namespace: str) -> Beside:
+        """The same, for names that start from a folder further down."""
+        return Beside(self._folder / namespace, self._home)
+
+    def keys(self) -> list[str]:
+        """No names are offered, only given when asked for."""
+        return []

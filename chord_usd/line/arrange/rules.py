@@ -25,9 +25,8 @@ from chord_usd.line.arrange.left_askew import leave_askew
 from chord_usd.line.arrange.left_out import leave_out
 from chord_usd.line.arrange.moved_aside import move_aside
 from chord_usd.line.arrange.off_trim import clear_trim
-from chord_usd.line.arrange.on_walls import hang_on_walls
+from chord_usd.line.arrange.on_walls import cut_at_walls, hang_on_walls
 from chord_usd.line.arrange.seating import seat_chairs
-from chord_usd.line.arrange.walls_kept import cut_at_walls
 from chord_usd.line.arrange.ways_open import open_ways
 from chord_usd.line.graph.flush import parted
 

@@ -5,22 +5,27 @@ For rasters that come alone. Where the plan is known as vectors, those are used 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 import numpy.typing as npt
+import shapely
+from shapely.geometry import Polygon
 
 from chord_usd.base.errors import SceneError
-from chord_usd.base.raster.vectorize import RotatedBox, rotated_box_from_mask
+from chord_usd.base.raster.vectorize import RotatedBox, polygon_from_mask, rotated_box_from_mask
 from chord_usd.base.raster.windows import components, label_windows
+from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import PLAN_CATEGORIES
 from chord_usd.base.scene.types import (
     BASE_AND_HEIGHT_M,
     WALL_THICKNESS_M,
     BoolArray,
     Box,
+    FloatArray,
     Opening,
     OpeningKind,
     PixelFrame,
@@ -29,10 +34,7 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.base.scene.units import m_from_px
-from chord_usd.line.graph.colours import CLEAR, SHADE_KINDS, LayoutPixels
-from chord_usd.line.graph.faces import settle_faces
-from chord_usd.line.graph.outlines import outline_of
-from chord_usd.line.graph.wall_sides import Walls
+from chord_usd.line.graph.colours import CLEAR, SHADE_KINDS, LabelArray, LayoutPixels
 
 IntArray = npt.NDArray[np.int32]
 
@@ -206,3 +208,208 @@ def _parts(mask: BoolArray) -> Iterator[_Part]:
         outside = rows.start == 0 or columns.start == 0
         outside = outside or rows.stop == height or columns.stop == width
         yield _Part(labels[window] == index + 1, window, outside)
+
+
+# Inner faces of walls to less than half a pixel, from how thick the walls came out ---------------
+
+# A face lies up to half a pixel beside the drawn edge. The wall's other face does, too, and the two
+# are exactly WALL_THICKNESS_M apart: where 3.4 pixels came out as 3, both faces were rounded into
+# the wall, by 0.2 pixels each on average; where they came out as 4, out of it, by 0.3.
+
+_END_PX = 2.0
+"""Ends of a side that are not looked behind: other walls begin there."""
+_AXIS_PX = 1e-6
+_LEAST_TURN = 0.2
+"""Sine of the least angle at which two sides meet in a point to speak of."""
+
+
+def settle_faces(polygon_px: FloatArray, structure: LabelArray, thickness_px: float) -> FloatArray:
+    """The outline of a room with its upright and level sides moved to where the faces must be.
+
+    polygon_px: (N, 2) canvas pixels, counter-clockwise in the world. structure: (H, W) labels.
+    Sides without wall all along, slanted ones and walls of another thickness stay where they are.
+    """
+    following = np.roll(polygon_px, -1, axis=0)
+    along = following - polygon_px
+    lengths = np.hypot(along[:, 0], along[:, 1])
+    along = along / np.maximum(lengths, 1e-9)[:, None]
+    # Counter-clockwise: outside lies to the right of a side, which is (-y, x) where y points down.
+    outward = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    moves = np.array(
+        [
+            _move_px(start, stop, out, structure, thickness_px) if length > 2 * _END_PX else 0.0
+            for start, stop, out, length in zip(
+                polygon_px, following, outward, lengths, strict=True
+            )
+        ]
+    )
+    if not moves.any():
+        return polygon_px
+    moved = _corners(polygon_px + outward * moves[:, None], along, polygon_px)
+    return moved if Polygon(moved).is_valid else polygon_px
+
+
+def _move_px(
+    start: FloatArray,
+    stop: FloatArray,
+    outward: FloatArray,
+    structure: LabelArray,
+    thickness_px: float,
+) -> float:
+    """How far outwards the face behind this side is to be looked for."""
+    if np.abs(stop - start).min() > _AXIS_PX:
+        return 0.0
+    length = float(np.hypot(*(stop - start)))
+    steps = np.arange(_END_PX + 0.5, length - _END_PX)
+    if not len(steps):
+        return 0.0
+    deep = np.arange(math.ceil(thickness_px) + 2) + 0.5
+    points = start + (stop - start) / length * steps[:, None]
+    across = points[:, None, :] + outward * deep[None, :, None]
+    rows, columns = np.floor(across[..., 1]).astype(int), np.floor(across[..., 0]).astype(int)
+    height, width = structure.shape
+    if rows.min() < 0 or columns.min() < 0 or rows.max() >= height or columns.max() >= width:
+        return 0.0
+    solid = structure[rows, columns] != CLEAR
+    counts = np.cumprod(solid, axis=1).sum(axis=1)
+    if (counts == 0).any():
+        # Somewhere the floor goes on: that side is shared with another room, which must not move.
+        return 0.0
+    fitting = counts[np.abs(counts - thickness_px) < 1.0]
+    if 2 * len(fitting) < len(counts):
+        return 0.0
+    return float(np.median(fitting) - thickness_px) / 2
+
+
+def _corners(through: FloatArray, along: FloatArray, before: FloatArray) -> FloatArray:
+    """(N, 2) where each side, given by a point and a direction, meets the one before it."""
+    corners = np.empty_like(through)
+    for index in range(len(through)):
+        point, direction = through[index], along[index]
+        other, turned = through[index - 1], along[index - 1]
+        sine = direction[0] * turned[1] - direction[1] * turned[0]
+        if abs(sine) < _LEAST_TURN:
+            corners[index] = before[index]
+            continue
+        gap = other - point
+        share = (gap[0] * turned[1] - gap[1] * turned[0]) / sine
+        corners[index] = point + share * direction
+    return corners
+
+
+# Outlines of upright rooms, straight from the corners of their pixels ----------------------------
+
+# vectorize fits lines to any outline; most rooms have none but upright and level sides, and need it
+# not.
+
+_LEAST_SIDE_PX = 3
+"""Shorter sides may be the steps of a slanted one."""
+
+
+def outline_of(mask: BoolArray) -> FloatArray:
+    """(N, 2) outline of a 4-connected region of a window, continuous pixels, counter-clockwise in
+    the world. Holes are passed over. Raises ValueError for an empty mask."""
+    upright = _upright_outline(mask)
+    return polygon_from_mask(mask) if upright is None else upright
+
+
+def _upright_outline(mask: BoolArray) -> FloatArray | None:
+    """The outline if it has only upright and level sides, none of them short."""
+    whole = np.pad(mask, 1).astype(np.int8)
+    # Around each grid point the four pixels; a corner has one or three of the region.
+    around = whole[:-1, :-1] + whole[1:, :-1] + whole[:-1, 1:] + whole[1:, 1:]
+    crossed = (around == 2) & (whole[:-1, :-1] == whole[1:, 1:])
+    if crossed.any():
+        return None
+    rows, columns = np.nonzero(around % 2)
+    corners = np.stack([columns, rows], axis=1)
+    across, along = _partners(corners, 0), _partners(corners, 1)
+    order: list[int] = []
+    at = 0
+    # The first corner in reading order is one of the outer outline.
+    while not order or at != 0:
+        order += [at, int(across[at])]
+        at = int(along[across[at]])
+    outline = corners[order].astype(np.float64)
+    sides = np.abs(np.roll(outline, -1, axis=0) - outline).sum(axis=1)
+    if sides.min(initial=0.0 if not len(sides) else np.inf) < _LEAST_SIDE_PX:
+        return None
+    return outline if _area(outline) < 0.0 else outline[::-1]
+
+
+def _partners(corners: np.ndarray, axis: int) -> np.ndarray:
+    """(N,) the corner that each corner shares a side along this axis with.
+
+    Sides of a region alternate with gaps: along a line, corners pair off from one end.
+    """
+    order = np.lexsort((corners[:, axis], corners[:, 1 - axis]))
+    partners = np.empty(len(corners), dtype=np.intp)
+    partners[order[::2]], partners[order[1::2]] = order[1::2], order[::2]
+    return partners
+
+
+def _area(outline: FloatArray) -> float:
+    """Signed; below zero where the outline is counter-clockwise in the world (y points down)."""
+    x, y = outline.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+# The walls between rooms, and the openings in them -----------------------------------------------
+
+_PARALLEL_DEG = 15.0
+_NEAR_M = 1.2 * WALL_THICKNESS_M
+_BEHIND_M = 0.1
+"""A room this near to a point behind the wall is the one behind it."""
+
+
+class Walls:
+    """The sides of all rooms, as arrays. Metres."""
+
+    def __init__(self, rooms: Sequence[Room]) -> None:
+        self.rooms = rooms
+        outlines = [room.polygon_m for room in rooms]
+        self._start = np.concatenate(outlines)
+        self._side = np.concatenate([np.roll(o, -1, axis=0) for o in outlines]) - self._start
+        self._room = np.repeat(np.arange(len(rooms)), [len(o) for o in outlines])
+        self._along_deg = np.degrees(np.arctan2(self._side[:, 1], self._side[:, 0])) % 180.0
+        self._square = np.maximum((self._side**2).sum(axis=1), 1e-12)
+        self._floors = np.array([room_polygon(room) for room in rooms])
+
+    def place(
+        self, center_m: FloatArray, yaw_deg: float
+    ) -> tuple[tuple[float, float], float, tuple[str, ...]]:
+        """A bar's centre moved to the middle of its wall, the wall's direction, the rooms it joins.
+
+        center_m: (2,). A bar near no wall stays where it is and joins none.
+        """
+        apart = np.abs((self._along_deg - yaw_deg + 90.0) % 180.0 - 90.0)
+        distance = self._distance(center_m)
+        near = np.flatnonzero((apart < _PARALLEL_DEG) & (distance < _NEAR_M))
+        if not len(near):
+            return (float(center_m[0]), float(center_m[1])), yaw_deg, ()
+        near = near[np.argsort(distance[near], kind="stable")]
+        nearest = near[0]
+        x, y = self._side[nearest] / np.sqrt(self._square[nearest])
+        outward = np.array([y, -x])
+        # From the wall's inner face, half its thickness out of the room.
+        depth = float((center_m - self._start[nearest]) @ outward)
+        center_m = center_m + (WALL_THICKNESS_M / 2 - depth) * outward
+        own = self._room[nearest]
+        behind = self._is_behind(center_m + outward * 0.75 * WALL_THICKNESS_M)
+        order = dict.fromkeys(int(room) for room in self._room[near])
+        joined = [self.rooms[room].id for room in order if room == own or behind[room]]
+        middle = float(center_m[0]), float(center_m[1])
+        return middle, float(self._along_deg[nearest]), tuple(joined[:2])
+
+    def _distance(self, point_m: FloatArray) -> FloatArray:
+        """(S,) distance of a point from every side."""
+        offset = point_m - self._start
+        share = np.clip((offset * self._side).sum(axis=1) / self._square, 0.0, 1.0)
+        gap = offset - share[:, None] * self._side
+        distance: FloatArray = np.hypot(gap[:, 0], gap[:, 1])
+        return distance
+
+    def _is_behind(self, probe_m: FloatArray) -> BoolArray:
+        """(R,) which rooms are at a point behind the wall."""
+        near: BoolArray = shapely.distance(self._floors, shapely.Point(probe_m)) < _BEHIND_M
+        return near

@@ -17,10 +17,16 @@ from chord_usd.base.scene.types import ByteArray, Detection, FloatArray, frozen_
 from chord_usd.base.scene.units import fold_deg
 from chord_usd.line.graph.colours import LayoutPixels
 from chord_usd.line.graph.directions import Directions
-from chord_usd.line.graph.facing import long_fronts, walls_behind
 from chord_usd.line.graph.patches import UsualSize
 from chord_usd.line.graph.rectangles import canvas_corners, front_mark, upright_points
-from chord_usd.line.graph.snap import SURE_SCORE, FoundItem, proposed_rect, thinned
+from chord_usd.line.graph.snap import (
+    SURE_SCORE,
+    FoundItem,
+    long_fronts,
+    proposed_rect,
+    thinned,
+    walls_behind,
+)
 
 _SAME_DEG = 5.0
 """Boxes are no farther off the direction of their walls than this."""

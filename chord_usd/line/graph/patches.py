@@ -20,12 +20,13 @@ from chord_usd.base.scene.palette import FRONT_MARK_LENGTH, FRONT_MARK_WIDTH, Ca
 from chord_usd.base.scene.types import BoolArray, FloatArray
 from chord_usd.base.scene.units import fold_deg
 from chord_usd.line.graph.directions import Directions
-from chord_usd.line.graph.joining import Piece, settle_edges
 from chord_usd.line.graph.rectangles import (
     Evidence,
+    Piece,
     fit_at_angle,
     fit_free,
     front_mark,
+    settle_edges,
     upright_points,
 )
 

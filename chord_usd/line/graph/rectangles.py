@@ -6,6 +6,7 @@ Everything here lives in upright pixels (base/scene/oriented_rect.py).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -135,3 +136,128 @@ def fit_free(evidence: Evidence) -> OrientedRect:
         costs = [evidence.cost(fit_at_angle(evidence, float(a), rounds=2)) for a in angles]
         angle = float(angles[np.flatnonzero(np.array(costs) <= min(costs) + 1e-9)].mean())
     return fit_at_angle(evidence, fold_deg(angle))
+
+
+# Pieces that share a patch settle their common edges ---------------------------------------------
+
+# Between two cabinets of one colour there is no edge to see; but each front mark spans the middle
+# 0.6 of its piece, and that pins the ends. All edges of a patch are solved for together.
+
+_EDGES = ("u0", "u1", "v0", "v1")
+_TOUCH_PX = 2.5
+"""Facing edges of neighbours closer than this are one edge."""
+
+_SEEN, _MARK, _SHARED, _KEEP = 1.0, 0.7, 2.0, 0.02
+"""Weights: an edge seen in the pixels, a mark's ends, a common edge, the first guess."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One item of a patch."""
+
+    rectangle: OrientedRect
+    quarter_turns: int | None
+    """Yaw is rectangle.angle_deg plus these; None where no front mark tells."""
+
+
+def settle_edges(
+    evidence: Evidence, pieces: Sequence[Piece], marks: Sequence[OrientedRect]
+) -> list[Piece]:
+    """Move the edges of pieces (all of one angle) so that pixels, marks and neighbours agree.
+
+    marks: the painted front mark of each piece.
+    """
+    rows: list[tuple[dict[int, float], float, float]] = []
+    for index, (piece, mark) in enumerate(zip(pieces, marks, strict=True)):
+        rows += _own_equations(evidence, pieces, index, piece, mark)
+    rows += [({upper: 1.0, lower: -1.0}, 0.0, _SHARED) for upper, lower in _common_edges(pieces)]
+    matrix = np.zeros((len(rows), 4 * len(pieces)))
+    target = np.zeros(len(rows))
+    for row, (terms, value, weight) in enumerate(rows):
+        for column, factor in terms.items():
+            matrix[row, column] = factor * weight
+        target[row] = value * weight
+    solved = np.linalg.lstsq(matrix, target, rcond=None)[0]
+    for upper, lower in _common_edges(pieces):
+        solved[[upper, lower]] = solved[[upper, lower]].mean()
+    solved = solved.reshape(-1, 4)
+    return [
+        Piece(OrientedRect(piece.rectangle.angle_deg, *map(float, edges)), piece.quarter_turns)
+        if edges[1] - edges[0] >= 0.5 and edges[3] - edges[2] >= 0.5
+        else piece
+        for piece, edges in zip(pieces, solved, strict=True)
+    ]
+
+
+def _own_equations(
+    evidence: Evidence, pieces: Sequence[Piece], index: int, piece: Piece, mark: OrientedRect
+) -> list[tuple[dict[int, float], float, float]]:
+    """(factors by unknown, value, weight): the first guess, seen edges and the mark."""
+    base = 4 * index
+    rectangle = piece.rectangle
+    rows: list[tuple[dict[int, float], float, float]] = []
+    for edge, name in enumerate(_EDGES):
+        rows.append(({base + edge: 1.0}, getattr(rectangle, name), _KEEP))
+        seen = _seen_edge(evidence, rectangle, edge)
+        if seen is not None:
+            rows.append(({base + edge: 1.0}, seen, _SEEN))
+    assert piece.quarter_turns is not None
+    first = 0 if piece.quarter_turns % 2 == 0 else 2
+    near, far = (1 - FRONT_MARK_LENGTH) / 2, (1 + FRONT_MARK_LENGTH) / 2
+    low, high = (getattr(mark, _EDGES[first + side]) for side in (0, 1))
+    if high - low > 1.5:
+        rows.append(({base + first: 1 - near, base + first + 1: near}, low, _MARK))
+        rows.append(({base + first: 1 - far, base + first + 1: far}, high, _MARK))
+    front = (2, 1, 3, 0)[piece.quarter_turns]
+    rows.append(({base + front: 1.0}, getattr(mark, _EDGES[front]), _SEEN))
+    return rows
+
+
+def _seen_edge(evidence: Evidence, rectangle: OrientedRect, edge: int) -> float | None:
+    """Where the patch ends at this edge of a piece; None where it goes on beyond."""
+    axis, upper = divmod(edge, 2)
+    sign = 1.0 if upper else -1.0
+    limit = sign * getattr(rectangle, _EDGES[edge])
+    near, far = (rectangle.v0, rectangle.v1) if axis == 0 else (rectangle.u0, rectangle.u1)
+    inset = 0.2 * (far - near)
+    inside, outside = rectangle.local(evidence.members), rectangle.local(evidence.outsiders)
+    strips = []
+    for points in (inside, outside):
+        chosen = (points[:, 1 - axis] >= near + inset) & (points[:, 1 - axis] <= far - inset)
+        strips.append(chosen)
+    along_in = sign * inside[strips[0], axis]
+    along_out = sign * outside[strips[1], axis]
+    beyond_in = ((along_in > limit + 0.5) & (along_in < limit + 2.0)).sum()
+    beyond_out = ((along_out > limit + 0.5) & (along_out < limit + 2.0)).sum()
+    if beyond_in > 0.5 * (beyond_in + beyond_out):
+        return None
+    size = rectangle.u1 - rectangle.u0 if axis == 0 else rectangle.v1 - rectangle.v0
+    close_in = (along_in > limit - size) & (along_in < limit + 4.0)
+    close_out = (along_out > limit - size) & (along_out < limit + 4.0)
+    weights = evidence.weights[strips[1]][close_out]
+    if not close_in.any():
+        return None
+    return sign * best_edge(along_in[close_in], along_out[close_out], weights, limit - size / 2)
+
+
+def _common_edges(pieces: Sequence[Piece]) -> list[tuple[int, int]]:
+    """Unknowns that are one edge: the upper of a piece that touches the lower of another."""
+    return [
+        (4 * i + 2 * axis + 1, 4 * j + 2 * axis)
+        for i, first in enumerate(pieces)
+        for j, second in enumerate(pieces)
+        for axis in (0, 1)
+        if i != j and _touch(first.rectangle, second.rectangle, axis)
+    ]
+
+
+def _touch(first: OrientedRect, second: OrientedRect, axis: int) -> bool:
+    one, other = _spans(first), _spans(second)
+    gap = other[axis][0] - one[axis][1]
+    common = min(one[1 - axis][1], other[1 - axis][1]) - max(one[1 - axis][0], other[1 - axis][0])
+    least = min(one[1 - axis][1] - one[1 - axis][0], other[1 - axis][1] - other[1 - axis][0])
+    return abs(gap) < _TOUCH_PX and common > 0.5 * least
+
+
+def _spans(rectangle: OrientedRect) -> FloatArray:
+    return np.array([[rectangle.u0, rectangle.u1], [rectangle.v0, rectangle.v1]])

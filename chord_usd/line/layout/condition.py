@@ -5,13 +5,14 @@ Everything is computed from the raster alone, so that any drawing of a plan can 
 
 from __future__ import annotations
 
+import math
+
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from chord_usd.base.scene.palette import BACKGROUND_RGB, PLAN_CATEGORIES, ROOM_SHADES
-from chord_usd.base.scene.types import LEARNED_KINDS, BoolArray, ByteArray
-from chord_usd.line.layout.clearance import clearance_planes, passage_mask
+from chord_usd.base.scene.types import LEARNED_KINDS, BoolArray, ByteArray, FloatArray
 from chord_usd.line.layout.condition_planes import (
     Condition,
     distance_planes,
@@ -108,3 +109,100 @@ def _border_labels(labels: npt.NDArray[np.int32]) -> set[int]:
 def _kind_planes(coarse: npt.NDArray[np.int32], kinds: npt.NDArray[np.int64]) -> BoolArray:
     kind_at = np.where(coarse > 0, kinds[coarse], -1)
     return kind_at[None] == np.arange(len(LEARNED_KINDS))[:, None, None]
+
+
+# The floor before doors and windows, read from a plan raster: what an item there would -----------
+
+DEEPEST_DOOR_M = 0.9
+"""A door needs its own width in front of it, but no more than a leaf's (metrics.clear_floor)."""
+
+WINDOW_M = 0.5
+
+PASSAGE_DEPTH_M = 0.36
+"""White regions inside a shaded plan that are thinner than this are gaps in a wall, not rooms."""
+
+LEAST_PX = 3
+"""Smaller specks of an opening's colour are noise."""
+
+_SUBPIXEL_BITS = 4
+
+
+def clearance_planes(
+    door: BoolArray, window: BoolArray, regions: npt.NDArray[np.int32], m_per_px: float
+) -> ByteArray:
+    """(2, H, W), 0 or 1: floor that doors and passages, and that windows keep free.
+
+    door and window: (H, W) masks; regions: (H, W) room labels, 0 outside. Each opening's area goes
+    as far as its metric's box does and stays in the rooms that it opens into.
+    """
+    planes = np.zeros((2, *door.shape), np.uint8)
+    for mask, plane in ((door, planes[0]), (window, planes[1])):
+        count, labels, stats, _ = cv2.connectedComponentsWithStats(
+            mask.astype(np.uint8), connectivity=8
+        )
+        for label in range(1, count):
+            if stats[label, cv2.CC_STAT_AREA] >= LEAST_PX:
+                center, along, across = _rectangle(np.asarray(labels), label, stats[label])
+                depth_px = WINDOW_M / m_per_px
+                if mask is door:
+                    depth_px = min(2 * math.hypot(*along), DEEPEST_DOOR_M / m_per_px)
+                for side in (across, -across):
+                    _keep_free(plane, regions, center, along, side, depth_px)
+    return planes
+
+
+def passage_mask(
+    regions: npt.NDArray[np.int32], sizes_px: FloatArray, unknown: BoolArray, m_per_px: float
+) -> BoolArray:
+    """(H, W) regions that are gaps in walls.
+
+    sizes_px: (R, 3) width, height and area of each region; unknown: (R,) whether it has no shade.
+    """
+    thin = sizes_px[:, :2].min(axis=1) * m_per_px < PASSAGE_DEPTH_M
+    return (thin & unknown & (sizes_px[:, 2] > 0))[regions]
+
+
+def _rectangle(
+    labels: npt.NDArray[np.int32], label: int, stats: npt.NDArray[np.int32]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Centre, half length along the wall and half depth through it, as vectors in pixels."""
+    left, top, width, height = (int(value) for value in stats[:4])
+    part = labels[top : top + height, left : left + width] == label
+    rows, columns = np.nonzero(part)
+    points = np.stack([columns + left, rows + top], axis=1).astype(np.float32)
+    (x, y), (first, second), angle = cv2.minAreaRect(points)
+    turn = math.radians(angle)
+    # Points are pixel centres: the pixels themselves reach half a pixel farther.
+    u = np.array([math.cos(turn), math.sin(turn)]) * (first + 1) / 2
+    v = np.array([-math.sin(turn), math.cos(turn)]) * (second + 1) / 2
+    return np.array([x, y]), *((u, v) if first >= second else (v, u))
+
+
+def _keep_free(
+    plane: ByteArray,
+    regions: npt.NDArray[np.int32],
+    center: FloatArray,
+    along: FloatArray,
+    side: FloatArray,
+    depth_px: float,
+) -> None:
+    """Mark the rectangle on one side of an opening, in the rooms that begin there."""
+    outward = side / max(math.hypot(*side), 1e-6)
+    beside = center + side + outward + np.linspace(-0.7, 0.7, 5)[:, None] * along
+    columns, rows = np.clip(np.rint(beside).astype(int), 0, np.array(plane.shape[::-1]) - 1).T
+    rooms = {int(label) for label in regions[rows, columns]} - {0}
+    if not rooms:
+        return
+    far = side + outward * depth_px
+    corners = center + np.array([side - along, side + along, far + along, far - along])
+    low = np.maximum(np.floor(corners.min(axis=0)).astype(int), 0)
+    high = np.minimum(np.ceil(corners.max(axis=0)).astype(int) + 1, plane.shape[::-1])
+    if (high <= low).any():
+        return
+    box = np.s_[low[1] : high[1], low[0] : high[0]]
+    filled = np.zeros(plane[box].shape, np.uint8)
+    # OpenCV fills the boundary's pixels as well, half a pixel too much on every side.
+    inner = corners - low + 0.5 * np.sign(corners.mean(axis=0) - corners)
+    fixed = np.rint(inner * (1 << _SUBPIXEL_BITS)).astype(np.int32)
+    cv2.fillConvexPoly(filled, fixed, (1,), shift=_SUBPIXEL_BITS)
+    plane[box] |= filled & np.isin(regions[box], list(rooms)).astype(np.uint8)

@@ -10,11 +10,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pxr import Usd
+from pxr import Kind, Usd
 
 from chord_usd.base.errors import StageError
 from chord_usd.base.runtime.stages import open_stage, reading, room_prims
-from chord_usd.line.stage.read.summary import LOADED_OR_NOT
 
 _NODE, _CATEGORY, _SIZE, _KIND = "chord:node_id", "chord:category", "chord:size_m", "chord:kind"
 _RESTS_ON = "chord:rests_on"
@@ -165,3 +164,59 @@ def _looks(prim: Usd.Prim) -> Looks:
         )
         for name in sorted(sets.GetNames())
     }
+
+
+# What a stage holds, counted by walking through it -----------------------------------------------
+
+LOADED_OR_NOT = Usd.PrimIsActive & Usd.PrimIsDefined & ~Usd.PrimIsAbstract
+"""Which prims count where furniture is not loaded."""
+
+
+@dataclass(frozen=True)
+class StageSummary:
+    """How much of everything is in a house."""
+
+    rooms: int
+    furniture: int
+    """Pieces that stand in a room."""
+    items: int
+    """Furniture and all that stands on it."""
+    dressing: int
+    """What hangs, lies and stands in the rooms besides."""
+    openings: int
+    """Doors, windows and passages."""
+    lights: int
+    cameras: int
+
+
+def summary(path: Path) -> StageSummary:
+    """Count what is on the stage at path; furniture meshes are not loaded.
+
+    Raises StageError when there is no stage.
+    """
+    with reading(path):
+        return _counted(open_stage(path, load=False))
+
+
+def _counted(stage: Usd.Stage) -> StageSummary:
+    rooms = room_prims(stage)
+    for room in rooms:  # openings are behind the payload
+        stage.Load(room.GetPath().AppendChild("Architecture"))
+    prims = [prim for room in rooms for prim in Usd.PrimRange(room, LOADED_OR_NOT)]
+    nodes = [prim for prim in prims if prim.HasAttribute("chord:category")]
+    components = [prim for prim in nodes if _is_component(prim)]
+    dressing = [prim for prim in components if prim.GetParent().GetName() == "Dressing"]
+    pieces = [prim for prim in components if prim not in dressing]
+    return StageSummary(
+        rooms=len(rooms),
+        furniture=sum("Items" not in prim.GetPath().pathString.split("/") for prim in pieces),
+        items=len(pieces),
+        dressing=len(dressing),
+        openings=len(nodes) - len(components),
+        lights=sum(prim.GetTypeName() == "RectLight" for prim in prims),
+        cameras=sum(prim.GetTypeName() == "Camera" for prim in stage.Traverse()),
+    )
+
+
+def _is_component(prim: Usd.Prim) -> bool:
+    return bool(Usd.ModelAPI(prim).GetKind() == Kind.Tokens.component)

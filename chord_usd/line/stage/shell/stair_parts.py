@@ -8,18 +8,17 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from shapely.geometry import LineString, Polygon
+from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.stair_elements import Flight, Tread
 from chord_usd.base.scene.stair_forms import BuiltStair
-from chord_usd.base.scene.stair_spirals import RIM_M, is_round
+from chord_usd.base.scene.stair_spirals import POLE_M, RIM_M, SPIRAL_THICK_M, is_round
 from chord_usd.base.scene.types import Box, FloatArray
 from chord_usd.base.scene.units import rotation_2d
 from chord_usd.line.stage.shell.mesh import Face, cuboid, moved, prism, standing
 from chord_usd.line.stage.shell.railings import railing_faces
-from chord_usd.line.stage.shell.spiral_parts import pole_faces, spiral_tread_faces
 from chord_usd.line.stage.shell.winder_parts import (
     newel_faces,
     outer_rail,
@@ -322,3 +321,32 @@ def open_landing_sides(
 
 def _world_area(built: BuiltStair, tread: Tread) -> Polygon:
     return Polygon(to_world(built.stair.box, np.asarray(tread.area_m.exterior.coords)))
+
+
+# What a spiral stair is drawn from: treads with risers, the landing, the pole --------------------
+
+# Everything is in the stair's own frame. Its handrail is that of a winder's turn, along the rim.
+
+_RISER_M = 0.02
+_SAME_M = 1e-3
+_OVER_LANDING_M = 1.0
+"""How much higher the pole is than the landing: as high as the railing around the hole."""
+
+
+def spiral_tread_faces(built: BuiltStair) -> Iterator[Face]:
+    """Treads, each on a riser that stands on the one below, and the landing."""
+    for tread in built.treads:
+        low_m = tread.top_m - SPIRAL_THICK_M
+        yield from prism(tread.area_m, low_m, tread.top_m)
+        if tread.edges_m is not None:
+            edge = tread.edges_m[0].buffer(_RISER_M, cap_style="flat")
+            riser = shapely.remove_repeated_points(edge.intersection(tread.area_m), _SAME_M)
+            closed = prism(riser, tread.top_m - built.rise_m, low_m)
+            # Its ends lie on treads; drawings would take the upper one for a step.
+            yield from (face for face in closed if np.ptp(face.corners_m[:, 2]) > 0.0)
+
+
+def pole_faces(built: BuiltStair) -> list[Face]:
+    """The pole, from the floor to over the landing."""
+    pole = Point(0.0, 0.0).buffer(POLE_M, quad_segs=8)
+    return prism(pole, 0.0, built.height_m + _OVER_LANDING_M)

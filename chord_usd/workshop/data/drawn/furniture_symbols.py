@@ -8,7 +8,16 @@ import numpy as np
 from shapely import affinity
 from shapely.geometry import Polygon
 
+from chord_usd.workshop.data.drawn.fixture_symbols import (
+    basin,
+    hob,
+    shower,
+    sink,
+    toilet,
+    tub,
+)
 from chord_usd.workshop.data.drawn.symbol_shapes import (
+    Draw,
     Shapes,
     box,
     diagonals,
@@ -258,3 +267,15 @@ def oven(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     """An appliance below a worktop: its letters, or a plain box."""
     body = rectangle(length, depth)
     return [body, *word_of("DW", length, depth)] if rng.random() < 0.3 else [body]
+
+
+# Symbols of furniture and fixtures in many hands, by category ------------------------------------
+
+DRAWN: dict[str, Draw] = {
+    "bed": bed, "sofa": sofa, "leisure_sofa": armchair, "single_sofa": armchair, "toilet": toilet,
+    "washbasin": basin, "washing_set": basin, "bathtub": tub, "shower": shower,
+    "cooker_cabinet": hob, "sink_cabinet": sink, "washing_machine": washer, "table": desk,
+    "dining_table": table, "coffee_table": table, "side_coffee_table": table, "chair": chair,
+    "cabinet": wardrobe, "refrigerator": fridge, "electrical_floor_cabinet": oven,
+}  # fmt: skip
+"""How pieces of each category are drawn; every call another way, by its generator."""
