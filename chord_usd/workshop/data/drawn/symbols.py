@@ -20,8 +20,9 @@ from chord_usd.workshop.data.drawn.fills import tiles
 from chord_usd.workshop.data.drawn.fixture_symbols import bidet
 from chord_usd.workshop.data.drawn.from_above import draw_from_above
 from chord_usd.workshop.data.drawn.furniture_symbols import DRAWN
-from chord_usd.workshop.data.drawn.labelled_canvas import RGB, Canvas
+from chord_usd.workshop.data.drawn.labelled_canvas import Canvas
 from chord_usd.workshop.data.drawn.page_looks import Look
+from chord_usd.workshop.data.drawn.page_styles import RGB
 
 Shapes = list[BaseGeometry]
 Draw = Callable[[float, float, np.random.Generator], Shapes]
