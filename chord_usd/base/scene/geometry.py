@@ -13,19 +13,19 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from chord_usd.base.errors import SceneError
+from chord_usd.base.errors import ChordError, SceneError
 from chord_usd.base.scene.limits import FARTHEST_M
 from chord_usd.base.scene.types import WALL_THICKNESS_M, Box, FloatArray, Plan, Room
 from chord_usd.base.scene.units import rotation_2d
 
 
-def refuse_unreachable(points_m: npt.ArrayLike) -> None:
-    """Raises SceneError for coordinates of foreign files that are beyond FARTHEST_M or no numbers:
-    GEOS computes without an end with some of them."""
+def refuse_unreachable(points_m: npt.ArrayLike, kind: type[ChordError] = SceneError) -> None:
+    """Raises an error of this kind for coordinates of foreign files that are beyond FARTHEST_M or
+    no numbers: GEOS computes without an end with some of them."""
     points = np.asarray(points_m, dtype=np.float64)
     within = np.abs(points) <= FARTHEST_M  # False for NaN
     if not within.all():
-        raise SceneError(
+        raise kind(
             f"has a coordinate of {points[~within][0]:g}", expected=f"at most {FARTHEST_M:g} m"
         )
 

@@ -130,7 +130,7 @@ def _sorted_lines(
     walls: list[Segment] = []
     doors: list[Segment] = []
     marks: list[Mark] = []
-    refuse_unreachable([line[:4] for line in lines])
+    refuse_unreachable([line[:4] for line in lines], PlanError)
     for x0, y0, x1, y1, label, *_ in lines:
         if label == "wall":
             walls.append((float(x0), float(y0), float(x1), float(y1)))
