@@ -101,3 +101,13 @@ def test_many_sizes_say_the_scale_together() -> None:
     rooms = [room(420.0 * n, 0, 420.0 * n + 400, 300) for n in range(4)]
     texts = [text_at("4.10 x 3.08", 420.0 * n + 200, 150) for n in range(4)]
     assert fit(rooms, [], texts, M_PER_PX, WALL_PX).m_per_px == pytest.approx(0.01026, rel=2e-3)
+
+
+def test_areas_that_say_another_scale_alike_move_no_wall() -> None:
+    """Walls of a drawn plan moved up to 10 px where the scale was 2.5 % off."""
+    areas = [1.05 * Polygon(polygon).area * M_PER_PX**2 for polygon in SEEN]
+    spots = [(200, 150), (560, 150), (350, 412)]
+    texts = [text_at(f"{m2:.1f} m²", *at) for m2, at in zip(areas, spots, strict=True)]
+    found = fit(SEEN, [DOOR], texts, M_PER_PX, WALL_PX)
+    assert found.m_per_px == pytest.approx(M_PER_PX * 1.05**0.5, rel=5e-3)
+    assert all(np.allclose(a, b, atol=1.5) for a, b in zip(found.polygons_px, SEEN, strict=True))

@@ -41,7 +41,7 @@ _PROPORTION = math.log(1.3)
 _LEFT_SHARE, _LEFT_PX = 0.02, 1.5
 """A size that is off by more after the fit contradicts others."""
 _LEAST_REFINED = 3
-"""Sizes from which on they say the scale together."""
+"""Sizes, areas and lengths from which on they say the scale together."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,11 @@ class _Span:
     sigma_px: float
     source: int
     """Which printed measure says so."""
+
+    @property
+    def off(self) -> float:
+        """Logarithm of the printed length over that seen."""
+        return math.log(self.length_px / (self.high - self.low))
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +103,11 @@ def fit(
     """
     knots = [_knots(polygons_px, axis) for axis in (0, 1)]
     printed = _printed(polygons_px, texts)
-    m_per_px = _refined(polygons_px, printed, m_per_px)
-    spans, misfits = _spans_of_rooms(polygons_px, printed, m_per_px)
-    spans += _spans_of_chains(texts, knots, m_per_px, len(printed))
+    spans, misfits = _spans_at(polygons_px, printed, texts, knots, m_per_px)
+    if len({span.source for span in spans}) >= _LEAST_REFINED:
+        # What all sizes say alike is the scale, and moves no wall.
+        m_per_px *= math.exp(float(np.median([span.off for span in spans])))
+        spans, misfits = _spans_at(polygons_px, printed, texts, knots, m_per_px)
     spans = spans if moves else []
     maps = [
         _moved(knots[axis], [s for s in spans if s.axis == axis], thickness_px) for axis in (0, 1)
@@ -156,18 +163,16 @@ def _printed(polygons_px: Sequence[FloatArray], texts: Sequence[Text]) -> list[_
     return result
 
 
-def _refined(
-    polygons_px: Sequence[FloatArray], printed: Sequence[_Printed], m_per_px: float
-) -> float:
-    """The scale by the middle of all sizes that fit."""
-    ratios = []
-    for size in (size for size in printed if size.measure.kind == "size"):
-        result = _rectangle(size, Polygon(polygons_px[size.room]), m_per_px)
-        if result is not None:
-            ratios += [math.log(said / span) for said, span in result[1]]
-    if len(ratios) < 2 * _LEAST_REFINED:
-        return m_per_px
-    return math.exp(float(np.median(ratios)))
+def _spans_at(
+    polygons_px: Sequence[FloatArray],
+    printed: Sequence[_Printed],
+    texts: Sequence[Text],
+    knots: Sequence[FloatArray],
+    m_per_px: float,
+) -> tuple[list[_Span], list[Misfit]]:
+    """What sizes, areas and chains say at a scale, and those that nothing there fits."""
+    spans, misfits = _spans_of_rooms(polygons_px, printed, m_per_px)
+    return spans + _spans_of_chains(texts, knots, m_per_px, len(printed)), misfits
 
 
 def _rectangle(
