@@ -12,7 +12,9 @@ from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSemantics
 
 from chord_usd.base.errors import StageError
 from chord_usd.base.scene.geometry import footprint, room_polygon
-from chord_usd.base.scene.types import SceneGraph
+from chord_usd.base.scene.types import Plan, Room, SceneGraph
+from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_scene import read_scene
 from chord_usd.line.stage.read.describe import StageSummary, summary
 from chord_usd.line.stage.shell.walls import build_walls
 
@@ -265,6 +267,27 @@ def test_every_opening_is_a_labelled_prim_of_a_room_it_joins(
                 "passage": set(),
             }
             assert parts >= {"Lining", *expected[opening.kind]}
+
+
+def test_rooms_that_touch_are_joined_on_the_stage(tmp_path: Path) -> None:
+    """As passages for whoever reads a stage; the program's reader sees that the rooms touch."""
+    east = shapely.union(shapely.box(4, 0, 7, 4), shapely.box(3, 0, 4, 1))
+    rooms = tuple(
+        Room(name, kind, shapely.get_coordinates(shapely.orient_polygons(floor).exterior)[:-1])
+        for name, kind, floor in (
+            ("a", "living", shapely.box(0, 0, 4, 4).difference(east)),
+            ("b", "kitchen", east),
+        )
+    )
+    path = author_stage(Plan(rooms, ()).scene(), tmp_path / "house.usda").path
+    stage = Usd.Stage.Open(str(path))
+    ways = [p for p in stage.Traverse() if p.GetAttribute("chord:category").Get() == "passage"]
+    assert len(prims_with_id(stage)) >= len(ways) == 3  # ids differ
+    assert all(set(way.GetAttribute("chord:rooms").Get()) == {"a", "b"} for way in ways)
+    lengths = [way.GetAttribute("chord:size_m").Get()[0] for way in ways]
+    assert sorted(lengths) == pytest.approx([1.0, 1.0, 3.0], abs=1e-3)
+    assert summary(path).openings == 0
+    assert not read_scene(stage).graph.openings
 
 
 def test_walls_of_the_stage_have_the_holes_of_its_doors(

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
+from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.metrics.violations import violations
 from chord_usd.base.scene.geometry import footprint_polygon, to_own
@@ -69,6 +70,18 @@ def test_units_stand_off_the_casings_of_doors(door_at: float) -> None:
             for low, high in wall.spans(0.6, 0.87, 0.1):
                 shape = shapely.Polygon(wall.rectangle(low, high, 0.0, 0.6))
                 assert all(shape.intersection(leg).area < 1e-6 for leg in legs)
+
+
+def test_people_come_in_over_open_borders() -> None:
+    """Cookers stand off these as off doors, when kitchens are composed and when they are judged."""
+    house = kitchen((3.0, 3.4))
+    beside = frozen_array([[3.0, 0], [6.0, 0], [6.0, 3.4], [3.0, 3.4]])
+    house = replace(house, rooms=(*house.rooms, Room("room", "living", beside)))
+    border = np.array([[3.0, 0.0], [3.0, 3.4]])
+    entries = [hole.ends for hole in shells(house.rooms, house.openings)[KIT].entries]
+    for ends in (entries, site_of(house, house.rooms[0], (), ()).doors):
+        assert len(ends) == 2
+        assert min(np.abs(np.sort(one, axis=0) - border).max() for one in ends) < 0.02
 
 
 @for_every("size_m", SIZES_M[1:5])

@@ -99,9 +99,9 @@ class Site:
     edges: FloatArray
     """(E, 2, 2) both ends of what ends the view: walls and pieces that stay; no open borders."""
     doors: FloatArray
-    """(D, 2, 2) both ends of doors and passages, at the middle of the wall."""
+    """(D, 2, 2) both ends of doors, passages and open borders, at the middle of the wall."""
     ways: FloatArray
-    """(W, 2, 2) straight ways from each of them to each other, from inside the room."""
+    """(W, 2, 2) straight ways from each door and passage to each other, from inside the room."""
     swings: tuple[shapely.Polygon, ...]
     """The floor that leaves of doors sweep."""
     pieces: tuple[shapely.Polygon, ...]
@@ -135,13 +135,11 @@ def site_of(house: SceneGraph, room: Room, stays: Iterable[Item], moves: Iterabl
     own = [one for one in house.openings if footprint_polygon(one.box).dwithin(floor, 0.15)]
     clear = [(one, shape) for one, shape in clearances(near, own)
              if shape.intersection(floor).area > TOUCH_M]  # fmt: skip
-    borders = [one.box for one in open_borders(tuple(near), tuple(house.openings))
-               if room.id in one.room_ids]  # fmt: skip
-    borders += [one.box for one in own if is_open_border(one)]
+    touching = [one for one in open_borders(tuple(near), tuple(house.openings))
+                if room.id in one.room_ids]  # fmt: skip
+    borders = [one.box for one in (*touching, *filter(is_open_border, own))]
     standing = [footprint(item.box) for item in stays]
-    ends = np.array(
-        [[box_end(one, -0.5), box_end(one, 0.5)] for one in own if one.kind != "window"]
-    )
+    holes = [one for one in own if one.kind != "window"]
     trim = _trim_of(list(dict.fromkeys(one for one, _ in clear)), room)
     lengths = np.hypot(*(np.roll(corners, -1, axis=0) - corners).T)
     longest = sorted(np.argsort(-lengths, kind="stable")[:_WALLS].tolist())
@@ -154,12 +152,18 @@ def site_of(house: SceneGraph, room: Room, stays: Iterable[Item], moves: Iterabl
         area_m2=float(floor.area),
         walls=walls,
         edges=_edges(corners, [footprint_polygon(one) for one in borders], standing),
-        doors=ends.reshape(-1, 2, 2),
-        ways=_ways(ends.reshape(-1, 2, 2), floor),
+        doors=_ends(holes + touching),
+        ways=_ways(_ends(holes), floor),
         swings=tuple(shape for one, shape in clear if one.kind == "door"),
         pieces=tuple(shape for item in moves for shape in floor_of(item)),
         sills=tuple(one.box.center_m[2] for one, _ in clear if one.kind == "window"),
     )
+
+
+def _ends(openings: Sequence[Opening]) -> FloatArray:
+    """(D, 2, 2)"""
+    ends = [[box_end(one, -0.5), box_end(one, 0.5)] for one in openings]
+    return np.array(ends).reshape(-1, 2, 2)
 
 
 def floor_of(item: Item) -> list[shapely.Polygon]:

@@ -61,7 +61,7 @@ def faces_door(view: View, at: int) -> bool:
     """Whether somebody in a door looks at the front of a piece."""
     half = np.array([view.length[at], view.depth[at]]) / 2
     points = view.grid(at, (-half[0], half[0]), (-half[1], half[1]))
-    for hole in view.shell.ways:
+    for hole in view.shell.entries:
         ahead = points - hole.middle
         along = (hole.ends[1] - hole.ends[0]) / max(hole.length_m, 1e-6)
         forward, aside = ahead @ hole.inward, np.abs(ahead @ along)

@@ -135,14 +135,14 @@ def _faces_hole(view: View, at: int, hole: Hole) -> bool:
 def _feet_to_door(view: View) -> Iterator[Measured]:
     at = _bed(view)
     if at is not None:
-        wrong = any(_faces_hole(view, at, hole) for hole in view.shell.ways)
+        wrong = any(_faces_hole(view, at, hole) for hole in view.shell.entries)
         yield flag(wrong, view.point(at, 0, view.depth[at] / 2), *_id(view, at))
 
 
 def _door_near(view: View) -> Iterator[Measured]:
     at = _bed(view)
-    if at is not None and view.shell.ways:
-        away = min(view.from_line(at, hole.ends) for hole in view.shell.ways)
+    if at is not None and view.shell.entries:
+        away = min(view.from_line(at, hole.ends) for hole in view.shell.entries)
         yield Measured(away, view.point(at), _id(view, at))
 
 

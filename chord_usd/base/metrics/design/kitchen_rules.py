@@ -326,7 +326,7 @@ def _sink_window(view: View) -> Iterator[Measured]:
 
 def _cooker_door(view: View) -> Iterator[Measured]:
     for at in _cooker(view):
-        near = [view.from_line(at, hole.ends) for hole in view.shell.ways]
+        near = [view.from_line(at, hole.ends) for hole in view.shell.entries]
         yield Measured(min(near, default=math.inf), view.point(at), _id(view, at))
 
 

@@ -223,7 +223,7 @@ class Shell:
     @cached_property
     def ground(self) -> Ground:
         """Its floor as a raster."""
-        return Ground.of(self.room.polygon_m, [*self.ways, *self.borders])
+        return Ground.of(self.room.polygon_m, self.entries)
 
     @cached_property
     def clear_from_m(self) -> FloatArray:
@@ -238,6 +238,11 @@ class Shell:
     def ways(self) -> list[Hole]:
         """Doors and passages."""
         return [hole for hole in self.holes if hole.is_way]
+
+    @property
+    def entries(self) -> list[Hole]:
+        """Doors, passages and open borders: all that people come in by."""
+        return [*self.ways, *self.borders]
 
     @property
     def windows(self) -> list[Hole]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 from shapely.geometry import Point
 
 from chord_usd.base.errors import SceneError
+from chord_usd.base.metrics.clear_floor import open_borders
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.stair_cells import is_cell
@@ -33,6 +34,10 @@ ROOM_LABELS: dict[RoomKind, str] = {
 }
 
 
+BORDER = "Border"
+"""Label of open borders of rooms that touch, which have no mesh: passages for who reads a stage."""
+
+
 @dataclass(frozen=True, eq=False)
 class NamedItem:
     """An item and its prims: `Desk_0`, a group around `Desk` where it carries children."""
@@ -45,7 +50,7 @@ class NamedItem:
 
 @dataclass(frozen=True, eq=False)
 class NamedOpening:
-    """An opening, named after its kind: `Door_0`."""
+    """An opening, named after its kind: `Door_0`; an open border is `Border_0`."""
 
     name: str
     opening: Opening
@@ -93,11 +98,16 @@ def name_rooms(
     place = _Places(graph.rooms)
     items, dressing = _by_room(graph.items, place), _by_room(graph.dressing, place)
     openings: list[list[Opening]] = [[] for _ in graph.rooms]
+    borders: list[list[Opening]] = [[] for _ in graph.rooms]
     for opening in graph.openings:
         openings[place.owner(opening.room_ids, opening.box.center_m)].append(opening)
+    for number, border in enumerate(open_borders(graph.rooms, graph.openings)):
+        side = replace(border, id=f"border/{border.id}/{number}")  # node ids are unique
+        borders[place.owner(border.room_ids, border.box.center_m)].append(side)
     return tuple(
         NamedRoom(
-            index, names[index], room, name_items(items[index]), _openings(openings[index]),
+            index, names[index], room, name_items(items[index]),
+            _openings(openings[index], borders[index]),
             name_items(dressing[index]), group,
         )
         for index, room in enumerate(graph.rooms)
@@ -155,9 +165,9 @@ def spoken(label: str) -> str:
     return "".join(f" {one}" if one.isupper() else one for one in label).strip()
 
 
-def _openings(openings: Sequence[Opening]) -> tuple[NamedOpening, ...]:
-    names = _numbered([opening.kind.capitalize() for opening in openings])
-    return tuple(map(NamedOpening, names, openings))
+def _openings(openings: Sequence[Opening], borders: Sequence[Opening]) -> tuple[NamedOpening, ...]:
+    labels = [opening.kind.capitalize() for opening in openings] + [BORDER] * len(borders)
+    return tuple(map(NamedOpening, _numbered(labels), (*openings, *borders)))
 
 
 def _numbered(labels: Iterable[str], taken: Collection[str] = ()) -> list[str]:

@@ -34,6 +34,7 @@ from chord_usd.base.scene.types import (
 )
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.stage.author.furniture import DRESSING, FURNITURE
+from chord_usd.line.stage.author.names import BORDER
 from chord_usd.line.stage.author.stage_levels import SHAFT, STAIR_WALK
 from chord_usd.line.stage.check.check_contact import Body, Solid
 from chord_usd.line.stage.check.check_rules import NODE_ID
@@ -197,6 +198,8 @@ class _Reader:
                 floors.append(self._body(part))
             elif name.startswith("Wall"):
                 self.fixed.append(self._body(part))
+            elif name.startswith(BORDER):
+                continue  # rooms that touch say as much
             elif _text(part, CATEGORY) in _KINDS:
                 self._read_opening(part)
                 self.by_stairs += [self.openings[-1].id] if shaft else []

@@ -14,6 +14,7 @@ from pxr import Kind, Usd
 
 from chord_usd.base.errors import StageError
 from chord_usd.base.runtime.stages import open_stage, reading, room_prims
+from chord_usd.line.stage.author.names import BORDER
 
 _NODE, _CATEGORY, _SIZE, _KIND = "chord:node_id", "chord:category", "chord:size_m", "chord:kind"
 _RESTS_ON = "chord:rests_on"
@@ -203,7 +204,8 @@ def _counted(stage: Usd.Stage) -> StageSummary:
     for room in rooms:  # openings are behind the payload
         stage.Load(room.GetPath().AppendChild("Architecture"))
     prims = [prim for room in rooms for prim in Usd.PrimRange(room, LOADED_OR_NOT)]
-    nodes = [prim for prim in prims if prim.HasAttribute("chord:category")]
+    nodes = [prim for prim in prims if prim.HasAttribute(_CATEGORY)]
+    nodes = [prim for prim in nodes if not prim.GetName().startswith(BORDER)]
     components = [prim for prim in nodes if _is_component(prim)]
     dressing = [prim for prim in components if prim.GetParent().GetName() == "Dressing"]
     pieces = [prim for prim in components if prim not in dressing]
