@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from hypothesis import settings
 from chord_usd.base.runtime import resident
 from chord_usd.faces.commands.results import RESULTS, schema_of
 from tests.core_packages import core_environment
+from tests.forked_cli import LoadedProgram
 
 if TYPE_CHECKING:
     from chord_usd.base.scene.types import SceneGraph
@@ -40,27 +41,44 @@ settings.load_profile("steady")
 
 
 @pytest.fixture(scope="session")
-def run_cli() -> RunCli:
-    """Runs `chord-usd ARGUMENTS` in a process of its own and returns what it did.
+def loaded_program(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LoadedProgram]:
+    """The process that `run_cli` forks, in the environment of `_environment`."""
+    program = LoadedProgram(_environment({}), tmp_path_factory.mktemp("streams"))
+    yield program
+    program.close()
+
+
+@pytest.fixture(scope="session")
+def run_cli(request: pytest.FixtureRequest) -> RunCli:
+    """Runs `chord-usd ARGUMENTS` in another process and returns what it did.
 
     It runs as where no extra is installed: what the tests ask of it needs none. What --json prints
-    has to follow the schema of its verb.
+    has to follow the schema of its verb. The process is a fork of one that has loaded the program;
+    one started afresh with `fresh`, and in another environment, which libraries read as they load.
     """
 
     def run(
-        *arguments: object, cwd: Path | None = None, env: dict[str, str] | None = None
+        *arguments: object,
+        cwd: Path | None = None,
+        env: dict[str, str] | None = None,
+        fresh: bool = False,
     ) -> subprocess.CompletedProcess[str]:
-        done = subprocess.run(
-            [sys.executable, "-m", "chord_usd.cli", *map(str, arguments)],
-            cwd=cwd,
-            env={**os.environ, **core_environment(), **(env or {})},
-            capture_output=True,
-            text=True,
-            timeout=TIMEOUT_S,
-            check=False,
-        )
+        words = [*map(str, arguments)]
+        environment = _environment(env or {})
+        loaded = None if fresh else request.getfixturevalue("loaded_program")
+        if loaded and loaded.serves(environment):
+            done = loaded.run(words, cwd, TIMEOUT_S)
+        else:
+            done = subprocess.run(
+                [sys.executable, "-m", "chord_usd.cli", *words],
+                cwd=cwd,
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=TIMEOUT_S,
+                check=False,
+            )
         if "--json" in arguments and done.returncode in (0, 1):
-            words = [str(word) for word in arguments]
             verb = next(
                 (verb for verb in RESULTS if words[: len(verb.split())] == verb.split()), ""
             )
@@ -68,6 +86,12 @@ def run_cli() -> RunCli:
         return done
 
     return run
+
+
+def _environment(more: dict[str, str]) -> dict[str, str]:
+    environment = {**os.environ, **core_environment(), **more}
+    environment.pop("PYTEST_CURRENT_TEST", None)
+    return environment
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,7 @@ import subprocess
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +59,8 @@ def made(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
 
 @pytest.fixture(scope="module")
 def again(run_cli: RunCli, tmp_path_factory: pytest.TempPathFactory) -> Made:
-    return make(run_cli, tmp_path_factory.mktemp("again"), "two_bedrooms.png")
+    """Made by a process that was started for it, whose sets have another order."""
+    return make(partial(run_cli, fresh=True), tmp_path_factory.mktemp("again"), "two_bedrooms.png")
 
 
 @pytest.fixture(scope="module")

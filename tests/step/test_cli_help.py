@@ -20,7 +20,7 @@ def test_help_answers_at_once(run_cli, verb: str) -> None:
 
 def _help_seconds(run_cli, verb: str) -> float:
     before = _seconds_of_children()
-    done = run_cli(*verb.split(), "--help")
+    done = run_cli(*verb.split(), "--help", fresh=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("usage: chord-usd")
     return _seconds_of_children() - before

@@ -156,7 +156,7 @@ def test_text_becomes_a_plan(run_cli: RunCli, tmp_path: Path) -> None:
     plan = read_plan(out)
     assert len(plan.rooms) == told["rooms"] > 0
     again = tmp_path / "again.json"
-    run_cli("plan", "from-text", text, "-o", again, *STEPS)
+    run_cli("plan", "from-text", text, "-o", again, *STEPS, fresh=True)
     assert again.read_bytes() == out.read_bytes()
 
 
