@@ -18,7 +18,7 @@ from chord_usd.base.scene.palette import HOUSE_CATEGORIES, TABLE_CATEGORIES, cat
 from chord_usd.base.scene.types import Item
 from chord_usd.library.catalogue import designs
 from chord_usd.library.database import AssetDatabase, embedded_assets
-from chord_usd.line.graph.fit import fitted_box
+from chord_usd.line.graph.match import fitted_box
 from chord_usd.workshop.data.furnish import furnish
 from chord_usd.workshop.data.houses import random_plan
 

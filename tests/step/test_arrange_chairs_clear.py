@@ -13,9 +13,9 @@ from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph
 from chord_usd.library.database import load_database
 from chord_usd.line.arrange.arrangement import Arrangement
-from chord_usd.line.arrange.chairs_clear import FARTHEST_M, draw_out_chairs
-from chord_usd.line.arrange.left_askew import RULE as ASKEW
 from chord_usd.line.arrange.rules import arrange
+from chord_usd.line.arrange.seating import FARTHEST_M, draw_out_chairs
+from chord_usd.line.arrange.seating import RULE as ASKEW
 from chord_usd.line.graph.match import match_assets
 from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check.check_stage import check_stage

@@ -10,8 +10,8 @@ from chord_usd.base.scene.types import Box, Item, Room, SceneGraph
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.library.database import load_database
 from chord_usd.line.arrange.arrangement import Arrangement
-from chord_usd.line.arrange.left_askew import RULE, leave_askew
 from chord_usd.line.arrange.rules import arrange
+from chord_usd.line.arrange.seating import RULE, leave_askew
 from chord_usd.line.graph.match import match_assets
 from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check.check_stage import check_stage

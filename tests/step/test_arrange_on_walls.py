@@ -8,7 +8,7 @@ import pytest
 from chord_usd.base.scene.geometry import footprint
 from chord_usd.base.scene.types import Box, Item, Room, SceneGraph
 from chord_usd.line.arrange.arrangement import Arrangement
-from chord_usd.line.arrange.on_walls import REACH_M, hang_on_walls
+from chord_usd.line.arrange.off_trim import REACH_M, hang_on_walls
 
 ROOM = Room("r", "bedroom", np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]))
 

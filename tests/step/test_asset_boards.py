@@ -7,10 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chord_usd.library.asset_boards import boards_of
-from chord_usd.library.asset_relief import triangles_m
+from chord_usd.library.asset_shapes import boards_of, kept, triangles_m
 from chord_usd.library.database import load_database
-from chord_usd.library.kept_arrays import kept
 
 DATABASE = load_database()
 FORMS = {asset.id.rsplit("_", 1)[0]: asset for asset in DATABASE.of_category("wall_shelf")}

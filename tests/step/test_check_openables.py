@@ -14,7 +14,7 @@ from chord_usd.base.places.swept import OPENS, swept_box
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.cli import DONE, NOT_HELD, main
-from chord_usd.library.asset_leaves import leaves_of, openable
+from chord_usd.library.asset_shapes import leaves_of, openable
 from chord_usd.library.catalogue import design_of, entries
 from chord_usd.library.database import AssetDatabase, load_database
 from chord_usd.library.kit.moves import Hinge

@@ -15,7 +15,7 @@ from chord_usd.base.raster.table_top import Border
 from chord_usd.base.scene.palette import Level
 from chord_usd.base.scene.types import Asset, Box, Item
 from chord_usd.cli import DONE, UNUSABLE, main
-from chord_usd.library.asset_relief import relief_of
+from chord_usd.library.asset_shapes import relief_of
 from chord_usd.library.database import load_database
 from chord_usd.line.graph.table_items import TopPainter
 from chord_usd.line.layout.checkpoint import Checkpoint, save_checkpoint

@@ -21,7 +21,7 @@ from chord_usd.base.errors import AssetError
 from chord_usd.base.runtime import stages
 from chord_usd.base.scene.chord_json import read_scene, write_scene
 from chord_usd.base.scene.types import Asset, Box, Item, Room, SceneGraph
-from chord_usd.library.asset_relief import triangles_m
+from chord_usd.library.asset_shapes import triangles_m
 from chord_usd.library.contact_sheet import colourways, draw_asset
 from chord_usd.library.database import read_index
 from chord_usd.library.libraries.add import add_library

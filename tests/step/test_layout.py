@@ -14,9 +14,9 @@ from chord_usd.base.runtime.checksums import SUMS_FILE
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import PixelFrame, PlanImage
 from chord_usd.line.layout.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
-from chord_usd.line.layout.codes import CLASS_COUNT
 from chord_usd.line.layout.config import PRESETS, LayoutConfig
 from chord_usd.line.layout.device import in_batches
+from chord_usd.line.layout.draft import CLASS_COUNT
 from chord_usd.line.layout.network import LayoutNetwork
 from chord_usd.line.layout.sample import LayoutModel
 from chord_usd.line.layout.schedule import (

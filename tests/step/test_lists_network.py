@@ -18,7 +18,7 @@ from chord_usd.cli import main
 from chord_usd.line.lists import pieces
 from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Subject, load_lists
 from chord_usd.line.lists.pieces import PIECES
-from chord_usd.line.lists.top_lists import load_lister
+from chord_usd.line.lists.things import load_lister
 from chord_usd.line.lists.vocabulary import NOTHING
 from chord_usd.workshop.data.tabletops import random_tabletop
 from chord_usd.workshop.training.lists_data import (

@@ -15,7 +15,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 
 from chord_usd.base.errors import OutputError
 from chord_usd.cli import UNUSABLE, main
-from chord_usd.line.stage.author.textures import (
+from chord_usd.line.stage.author.surfaces import (
     bound_material,
     placed,
     placement_of,

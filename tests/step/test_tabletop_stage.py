@@ -15,7 +15,7 @@ from chord_usd.base.raster.table_top import TableTop, draw_table
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.palette import SUPPORTS, TABLE_CATEGORIES, category
 from chord_usd.base.scene.types import Asset, Box, Item, SceneGraph
-from chord_usd.library.asset_relief import relief_of
+from chord_usd.library.asset_shapes import relief_of
 from chord_usd.library.database import AssetDatabase, load_database
 from chord_usd.line.graph.match import match_assets
 from chord_usd.line.graph.tabletop import table_views

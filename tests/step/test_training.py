@@ -11,8 +11,8 @@ import torch
 from chord_usd.base.errors import CheckpointError
 from chord_usd.base.raster import canvas
 from chord_usd.line.layout.checkpoint import load_checkpoint
-from chord_usd.line.layout.codes import CLASS_COUNT
 from chord_usd.line.layout.config import PRESETS, LayoutConfig
+from chord_usd.line.layout.draft import CLASS_COUNT
 from chord_usd.workshop.training import weights as training_state
 from chord_usd.workshop.training.sheets import draw_sheet
 from chord_usd.workshop.training.stream import (

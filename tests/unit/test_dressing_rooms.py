@@ -37,9 +37,8 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.library.database import AssetDatabase
-from chord_usd.line.dressing.draws import Draws
 from chord_usd.line.dressing.dress import dress
-from chord_usd.line.dressing.stock import Stock
+from chord_usd.line.dressing.stock import Draws, Stock
 from chord_usd.workshop.data.furnish import furnish
 from chord_usd.workshop.data.houses import random_plan
 from tests.dressing_stock import stock_of_boxes

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from chord_usd.base.scene.geometry import footprint, footprint_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Asset, Box
-from chord_usd.line.graph.fit import MOST_STRETCH, fitted_box
+from chord_usd.line.graph.match import MOST_STRETCH, fitted_box
 
 SIDE = st.floats(0.3, 3.0).map(lambda side: round(side, 3))
 SIZE = st.tuples(SIDE, SIDE, SIDE)

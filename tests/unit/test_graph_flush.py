@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.oriented_rect import Footprint
 from chord_usd.base.scene.types import Box
-from chord_usd.line.arrange.on_walls import cut_at_walls
+from chord_usd.line.arrange.off_trim import cut_at_walls
 
 TOUCHING_M = 0.005
 PIER = shapely.Polygon([(0, 0), (4, 0), (4, 1.9), (3, 1.9), (3, 2.1), (4, 2.1), (4, 4), (0, 4)])

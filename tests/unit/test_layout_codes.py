@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from chord_usd.line.layout.codes import CLASS_COUNT, CODE_BITS, codebook
+from chord_usd.line.layout.draft import CLASS_COUNT, CODE_BITS, codebook
 
 
 def test_any_two_words_differ_in_half_their_bits_or_more():

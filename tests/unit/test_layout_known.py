@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from chord_usd.base.scene.palette import category
-from chord_usd.line.layout.codes import CLASS_COUNT, CODE_BITS, codebook, encode
 from chord_usd.line.layout.condition import DOOR_FLOOR_PLANE, PIXEL_PLANES, WINDOW_FLOOR_PLANE
 from chord_usd.line.layout.denoiser import Estimate, Plans
+from chord_usd.line.layout.draft import CLASS_COUNT, CODE_BITS, codebook, encode
 from chord_usd.line.layout.known import bare_outside, held_to_plan
 from chord_usd.line.layout.levels import LEVELS
 

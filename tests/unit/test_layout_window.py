@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chord_usd.base.raster import canvas
-from chord_usd.line.layout.window import BORDER_PX, window_of, window_size
+from chord_usd.line.layout.mosaic import BORDER_PX, window_of, window_size
 from chord_usd.workshop.data.houses import random_plan
 
 

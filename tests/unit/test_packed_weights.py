@@ -9,8 +9,7 @@ import pytest
 from safetensors.numpy import load_file, save_file
 
 from chord_usd.base.errors import CheckpointError
-from chord_usd.base.runtime.networks import WEIGHTS_FILE, read_weights
-from chord_usd.base.runtime.packed_weights import packed, unpacked
+from chord_usd.base.runtime.networks import WEIGHTS_FILE, packed, read_weights, unpacked
 from chord_usd.workshop.training.packed_file import write_eight_bits
 
 SHIPPED = Path(__file__).parents[2] / "checkpoints"

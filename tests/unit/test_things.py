@@ -13,8 +13,7 @@ from chord_usd.base.raster.table_top import SIDES, Border, TableTop
 from chord_usd.base.scene.palette import SUPPORTS, TABLE_CATEGORIES
 from chord_usd.base.scene.types import Box, Item
 from chord_usd.line.lists import things
-from chord_usd.line.lists.things import THINGS
-from chord_usd.line.lists.top_lists import top_faults
+from chord_usd.line.lists.things import THINGS, top_faults
 from chord_usd.workshop.data.tabletops import random_tabletop
 
 SEEDS = st.integers(0, 100_000)

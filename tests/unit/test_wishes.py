@@ -15,7 +15,6 @@ from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Box, Item, Plan, Room, RoomKind, frozen_array
 from chord_usd.line.lists.house import Drafts, furnish_by_lists
 from chord_usd.line.lists.list_sampler import ListDrawer
-from chord_usd.line.lists.piece_words import WORDS, named
 from chord_usd.line.lists.pieces import (
     CATEGORY_ORDER,
     PIECES,
@@ -24,6 +23,7 @@ from chord_usd.line.lists.pieces import (
     of_length,
     pieces_of,
 )
+from chord_usd.line.lists.vocabulary import WORDS, named
 from chord_usd.line.lists.wishes import (
     SLACK_M,
     Asked,

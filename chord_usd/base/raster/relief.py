@@ -106,7 +106,7 @@ class Relief:
 
 
 class Reliefs(Protocol):
-    """Where reliefs come from; chord_usd.library.asset_relief has them."""
+    """Where reliefs come from; chord_usd.library.asset_shapes has them."""
 
     def __call__(self, asset: Asset, /) -> Relief:
         """The relief of an asset at its own size."""

@@ -18,9 +18,8 @@ from pathlib import Path
 
 from chord_usd.base.errors import ChordError, DiskFullError, OutputError
 from chord_usd.base.runtime import interrupts
-from chord_usd.base.runtime.hashes import hash_file, same_bytes
 from chord_usd.base.runtime.locations import absolute, cache_folder
-from chord_usd.base.runtime.manifest import MANIFEST_FILE, Manifest
+from chord_usd.base.runtime.manifest import MANIFEST_FILE, Manifest, hash_file, same_bytes
 from chord_usd.base.runtime.scratch import PREFIX as SCRATCH_PREFIX
 from chord_usd.base.runtime.scratch import Scratch
 from chord_usd.base.runtime.targets import (

@@ -8,13 +8,12 @@ that several processes may write into one folder; the last line of a file holds.
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path, PurePosixPath
-
-from chord_usd.base.runtime.hashes import hash_file
 
 try:
     import fcntl
@@ -132,3 +131,19 @@ def _is_plain(file: Path, folder: Path) -> bool:
     """Whether it is a file of its own, reached through folders and not through links."""
     between = [file, *(one for one in file.parents if one.is_relative_to(folder) and one != folder)]
     return file.is_file() and not any(one.is_symlink() for one in between)
+
+
+# SHA-256 of files --------------------------------------------------------------------------------
+
+
+def hash_file(path: Path) -> str:
+    """SHA-256 of a file's bytes, in hexadecimal. Raises OSError."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def same_bytes(first: Path, second: Path) -> bool:
+    """Whether two files hold the same. Raises OSError."""
+    if first.stat().st_size != second.stat().st_size:
+        return False
+    return hash_file(first) == hash_file(second)

@@ -137,7 +137,7 @@ def run_nearest(options: argparse.Namespace) -> Outcome:
     from chord_usd.base.scene.types import Box
     from chord_usd.library.contact_sheet import colourways
     from chord_usd.library.database import load_database
-    from chord_usd.line.graph.fit import fitted_box
+    from chord_usd.line.graph.match import fitted_box
     from chord_usd.line.stage.export.packages import package_files
 
     watch = stopwatch(options)

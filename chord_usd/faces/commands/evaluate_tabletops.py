@@ -27,7 +27,7 @@ from chord_usd.faces.commands.evaluate_options import (
 
 if TYPE_CHECKING:
     from chord_usd.line.layout.sample import LayoutModel
-    from chord_usd.line.lists.top_lists import TopLister
+    from chord_usd.line.lists.things import TopLister
     from chord_usd.workshop.evaluation.tabletop_cases import Case
     from chord_usd.workshop.evaluation.tabletops import ReaderScores, Workplace
 
@@ -101,7 +101,7 @@ def run(options: argparse.Namespace) -> Outcome:
 
 
 def _how(options: argparse.Namespace, painter: LayoutModel | None) -> str:
-    from chord_usd.line.lists.top_lists import DRAFTS
+    from chord_usd.line.lists.things import DRAFTS
 
     if painter is None:
         return f"the best of {options.drafts or DRAFTS} lists of each top"
@@ -112,7 +112,7 @@ def _how(options: argparse.Namespace, painter: LayoutModel | None) -> str:
 
 def _workplace(options: argparse.Namespace, painter: LayoutModel | None) -> Workplace:
     """The model and the meshes."""
-    from chord_usd.library.asset_relief import relief_of
+    from chord_usd.library.asset_shapes import relief_of
     from chord_usd.library.database import load_database
     from chord_usd.line.graph.table_items import TopPainter
     from chord_usd.workshop.evaluation.tabletops import Workplace
@@ -126,7 +126,7 @@ def _workplace(options: argparse.Namespace, painter: LayoutModel | None) -> Work
 
 def _lister(options: argparse.Namespace) -> TopLister:
     from chord_usd.base.runtime.locations import checkpoint_folder
-    from chord_usd.line.lists.top_lists import DRAFTS, load_lister
+    from chord_usd.line.lists.things import DRAFTS, load_lister
     from chord_usd.line.pipeline import THINGS_CHECKPOINT
 
     folder = options.lists or checkpoint_folder(THINGS_CHECKPOINT)

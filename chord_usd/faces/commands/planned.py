@@ -131,9 +131,6 @@ def plan_source(
 
     Raises UsageError where none or several kinds are given, ChordError where none can be planned.
     """
-    from chord_usd.base.runtime.scratch import scratch_folder
-    from chord_usd.base.scene.chord_json import write_plan
-
     wanted = bool(options.text) or options.outline is not None
     if options.plan:
         _refuse_two_plans(options)
@@ -144,6 +141,9 @@ def plan_source(
             "one plan is needed", where="PLAN, --text, --outline",
             expected="a plan file, or a text, or an open plan, with a text or without",
         )  # fmt: skip
+    from chord_usd.base.runtime.scratch import scratch_folder
+    from chord_usd.base.scene.chord_json import write_plan
+
     outline = existing_file(options.outline) if options.outline else None
     planned = _planned(options.text, outline, settings, watch)
     with scratch_folder() as folder:

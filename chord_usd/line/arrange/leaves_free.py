@@ -17,10 +17,10 @@ from chord_usd.base.places.swept import Boxes, Leaf, way_of
 from chord_usd.base.scene.geometry import footprint_polygon, resized
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Box, Item, SceneGraph
-from chord_usd.library.asset_leaves import felt_boxes, leaves_of
+from chord_usd.library.asset_shapes import felt_boxes, leaves_of
 from chord_usd.line.arrange.arrangement import Arrangement
 from chord_usd.line.arrange.off_trim import is_in_trim, trim_of
-from chord_usd.line.graph.fit import fitted_box
+from chord_usd.line.graph.match import fitted_box
 
 _STEPS_M = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.45, 0.6)
 """How far a piece may go along its wall."""

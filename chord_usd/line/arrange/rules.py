@@ -16,18 +16,13 @@ import numpy as np
 from chord_usd.base.scene.oriented_rect import Footprint
 from chord_usd.base.scene.types import Box, Edit, Item, SceneGraph
 from chord_usd.line.arrange.arrangement import Arrangement
-from chord_usd.line.arrange.chairs_clear import draw_out_chairs
 from chord_usd.line.arrange.free_floor import kept_off
-from chord_usd.line.arrange.free_fronts import free_fronts
 from chord_usd.line.arrange.leaves_free import free_leaves
-from chord_usd.line.arrange.left_askew import RULE as ASKEW
-from chord_usd.line.arrange.left_askew import leave_askew
-from chord_usd.line.arrange.left_out import leave_out
-from chord_usd.line.arrange.moved_aside import move_aside
-from chord_usd.line.arrange.off_trim import clear_trim
-from chord_usd.line.arrange.on_walls import cut_at_walls, hang_on_walls
-from chord_usd.line.arrange.seating import seat_chairs
-from chord_usd.line.arrange.ways_open import open_ways
+from chord_usd.line.arrange.moved_aside import leave_out, move_aside
+from chord_usd.line.arrange.off_trim import clear_trim, cut_at_walls, hang_on_walls
+from chord_usd.line.arrange.seating import RULE as ASKEW
+from chord_usd.line.arrange.seating import draw_out_chairs, leave_askew, seat_chairs
+from chord_usd.line.arrange.ways_open import free_fronts, open_ways
 from chord_usd.line.graph.flush import parted
 
 When = Literal["read", "given", "drawn", "meshed"]

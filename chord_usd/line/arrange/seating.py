@@ -7,26 +7,37 @@ of a table would be of one size, and so of one design.
 
 from __future__ import annotations
 
+import zlib
 from collections import defaultdict
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
 
 import numpy as np
+import shapely
+from pxr import UsdGeom, UsdPhysics
+from shapely import Polygon
 
-from chord_usd.base.metrics.overlap import natural_partners
+from chord_usd.base.metrics.overlap import natural_partners, overlaps_by_nature
+from chord_usd.base.metrics.walk import WALKER_RADIUS_M
+from chord_usd.base.places.free_places import FreePlaces, places_near
+from chord_usd.base.runtime.asset_stages import open_asset
 from chord_usd.base.scene.geometry import (
     footprint_polygon,
     front_direction,
     resized,
     to_own,
+    to_world,
 )
-from chord_usd.base.scene.palette import category
-from chord_usd.base.scene.types import Box, FloatArray, Item, SceneGraph
+from chord_usd.base.scene.palette import category, having
+from chord_usd.base.scene.types import Asset, Box, FloatArray, Item, SceneGraph
 from chord_usd.base.scene.units import rotation_2d, wrap_deg
 from chord_usd.line.arrange.arrangement import Arrangement
+from chord_usd.line.stage.check.check_contact import Body, Solid, collisions
+from chord_usd.line.stage.check.check_scene import solids_of
+from chord_usd.line.stage.check.triangles import Triangles
 
-SEAT = "chair"
-_TABLES = natural_partners(SEAT)
 _AT_TABLE_M = 0.4
 """A chair this close to a table is one of its."""
 
@@ -120,3 +131,212 @@ def _usual_size_m(chairs: Sequence[Item]) -> tuple[float, float]:
     row = category(SEAT)
     length_m, depth_m = np.median([chair.box.size_m[:2] for chair in chairs], axis=0)
     return float(np.clip(length_m, *row.length_m)), float(np.clip(depth_m, *row.width_m))
+
+
+# Chairs at their tables: drawn out until nothing of them runs into the table, or left out --------
+
+# A layout tells how far a chair is pushed under a table, seen from above; whether its back passes
+# over the top and its legs stand between the table's is told by the meshes alone. So a chair that
+# runs into its table moves, by the least that sets it free, mostly away from where it faces. It
+# never moves into something else, out of its room or before a door. Colliders count as meshes do: a
+# simulator would throw apart what they hold in each other.
+
+SEAT = "chair"
+FARTHEST_M = 0.5
+"""A chair is about as deep; drawn out this far it stands before its table."""
+
+_STEP_M = 0.02
+
+_TABLES = natural_partners(SEAT)
+_WAYS = np.array([(0.0, 1.0), (-1.0, 0.0), (1.0, 0.0), (0.0, -1.0)])
+"""In the chair's own frame: back, left, right, and forward for one that has its back to its table.
+Ties go to the first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table, for as long as chairs are tried at it."""
+
+    item: Item
+
+    @cached_property
+    def shape(self) -> Polygon:
+        """Its footprint."""
+        return footprint_polygon(self.item.box)
+
+    @cached_property
+    def bodies(self) -> tuple[Body, Body]:
+        """As it is seen, and as it is felt."""
+        return _bodies(self.item)
+
+    def is_near(self, chair: Item) -> bool:
+        """Whether a chair could come to stand under it."""
+        return bool(self.shape.distance(footprint_polygon(chair.box)) < FARTHEST_M)
+
+
+def draw_out_chairs(work: Arrangement) -> SceneGraph:
+    """The house with every chair clear of its table, and without those that have no room for that.
+
+    Items whose mesh is not there stay. Raises StageError for one that cannot be opened.
+    """
+    graph = work.graph
+    caught = []
+    tables = tables_of(graph.items)
+    for chair in graph.items:
+        if chair.category == SEAT and work.may_move(chair) and has_mesh(chair):
+            near = [table for table in tables if table.is_near(chair)]
+            if runs_into(chair.box, chair, near):
+                caught.append((chair, near))
+    items = {item.id: item for item in graph.items}
+    for chair, near in caught:
+        free = work.free_places(chair, items.values())
+        clear = _drawn_out(chair, near, free)
+        if clear is None:
+            del items[chair.id]
+        else:
+            items[chair.id] = clear
+    return replace(graph, items=tuple(items.values()))
+
+
+def tables_of(items: Sequence[Item]) -> list[Table]:
+    """The tables among them that have a mesh."""
+    return [Table(one) for one in items if one.category in _TABLES and has_mesh(one)]
+
+
+def has_mesh(item: Item) -> bool:
+    """Whether the item's mesh is there."""
+    return item.asset is not None and item.asset.usd_path.is_file()
+
+
+def _drawn_out(chair: Item, tables: Sequence[Table], free: FreePlaces) -> Item | None:
+    """The chair at the nearest free place, if there is one."""
+    for box in places_near(chair.box, _WAYS, _STEP_M, FARTHEST_M):
+        if free.has(box) and not runs_into(box, chair, tables):
+            return replace(chair, box=box)
+    return None
+
+
+def runs_into(box: Box, chair: Item, tables: Sequence[Table]) -> bool:
+    """Whether a chair in this box collides with one of the tables: mesh with mesh, or collider with
+    collider."""
+    shape = footprint_polygon(box)
+    over = [table for table in tables if table.shape.intersects(shape)]
+    if not over:
+        return False
+    seats = _bodies(replace(chair, box=box))
+    return any(
+        collisions([seat], [body])
+        for table in over
+        for seat, body in zip(seats, table.bodies, strict=True)
+    )
+
+
+def _bodies(item: Item) -> tuple[Body, Body]:
+    """An item as it is seen and as it is felt, in the world, without what stands on it."""
+    assert item.asset is not None
+    seen, felt = _solids(item.asset.usd_path)
+    return _body(item, item.asset, seen), _body(item, item.asset, felt)
+
+
+def _body(item: Item, asset: Asset, own: Sequence[Solid]) -> Body:
+    """Solids in the frame of an item's asset, brought to where the item stands."""
+    scale = np.diag(np.array(item.box.size_m) / np.array(asset.size_m))
+    turn = np.eye(3)
+    turn[:2, :2] = rotation_2d(item.box.yaw_deg)
+    solids = tuple(solid.placed(scale @ turn.T, np.array(item.box.center_m)) for solid in own)
+    return Body(item.id, solids)
+
+
+@lru_cache(maxsize=64)
+def _solids(path: Path) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
+    """The meshes of an asset, and the boxes that it is felt as, in its own frame."""
+    stage, transforms = open_asset(path), UsdGeom.XformCache()
+    felt = tuple(
+        Solid(
+            str(prim.GetPath()),
+            Triangles.box(
+                UsdGeom.Cube(prim).GetSizeAttr().Get(),
+                np.array(transforms.GetLocalToWorldTransform(prim)).T,
+            ),
+        )
+        for prim in stage.Traverse()
+        if prim.IsA(UsdGeom.Cube) and prim.HasAPI(UsdPhysics.CollisionAPI)
+    )
+    return solids_of(stage.GetDefaultPrim(), transforms), felt
+
+
+# Chairs and armchairs as people leave them: a few degrees askew, a few centimetres drawn ---------
+
+# Rows at exact angles give a picture away as computer-made. A piece turns only where that costs
+# nothing: it stays in its room, clear of all others and of openings, and narrows no passage.
+
+RULE = "left a little askew"
+_TURN_DEG = (2.0, 6.0)
+_MOST_BACK_M = 0.05
+_TRIES = 6
+
+_PASSAGE_M = 2 * WALKER_RADIUS_M
+_SPARE_M = 0.1
+"""A passage that is this much wider than a walker is passable however the floor is sampled."""
+
+
+def leave_askew(work: Arrangement) -> SceneGraph:
+    """The house with chairs and armchairs turned a little where there is room, each once.
+
+    The same house gives the same turns. Raises StageError for a mesh that cannot be opened.
+    """
+    items = {item.id: item for item in work.graph.items}
+    tables = tables_of(work.graph.items)
+    for item in work.graph.items:
+        if item.category not in (SEAT, *having("easy_chair")) or not work.may_move(item):
+            continue
+        if not has_mesh(item) or any(edit.rule == RULE for edit in item.facts.edits):
+            continue
+        near = [table for table in tables if item.category == SEAT and table.is_near(item)]
+        free = work.free_places(item, items.values())
+        around = _around(work, item, list(items.values()))
+        for box in _askew(item):
+            if (
+                free.has(box)
+                and _leaves_passages(item.box, box, around)
+                and not runs_into(box, item, near)
+            ):
+                items[item.id] = replace(item, box=box)
+                break
+    return replace(work.graph, items=tuple(items.values()))
+
+
+def _askew(item: Item) -> Iterator[Box]:
+    """What to try, from the item's own random numbers."""
+    x, y, _ = item.box.center_m
+    rng = np.random.default_rng(zlib.crc32(f"{item.id} {x:.3f} {y:.3f}".encode()))
+    for _ in range(_TRIES):
+        turn = rng.uniform(*_TURN_DEG) * rng.choice([-1.0, 1.0])
+        back = rng.uniform(0.0, _MOST_BACK_M) if item.category == SEAT else 0.0
+        x_m, y_m = to_world(item.box, (0.0, back))
+        center = (round(float(x_m), 6), round(float(y_m), 6), item.box.center_m[2])
+        yaw_deg = wrap_deg(round(item.box.yaw_deg + float(turn), 3))
+        yield replace(item.box, center_m=center, yaw_deg=yaw_deg)
+
+
+def _around(work: Arrangement, item: Item, items: Sequence[Item]) -> list[shapely.Geometry]:
+    """What bounds the passages beside a piece."""
+    floor = work.floors.get(item.room_id)
+    walls = [floor.exterior] if floor is not None else []
+    others = [
+        footprint_polygon(other.box)
+        for other in items
+        if other.room_id == item.room_id
+        and other.id != item.id
+        and not overlaps_by_nature(item, other)
+    ]
+    return [*walls, *others]
+
+
+def _leaves_passages(before: Box, after: Box, around: Sequence[shapely.Geometry]) -> bool:
+    old, new = footprint_polygon(before), footprint_polygon(after)
+    for other in around:
+        old_m, new_m = old.distance(other), new.distance(other)
+        if new_m < old_m and old_m >= _PASSAGE_M and new_m < _PASSAGE_M + _SPARE_M:
+            return False
+    return True

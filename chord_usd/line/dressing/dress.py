@@ -33,9 +33,8 @@ from chord_usd.base.scene.stair_cells import is_cell
 from chord_usd.base.scene.styles import HomeStyle
 from chord_usd.base.scene.tunnels import as_cut
 from chord_usd.base.scene.types import WET_KINDS, Item, Opening, Room, SceneGraph
-from chord_usd.library.asset_leaves import leaves_of
+from chord_usd.library.asset_shapes import leaves_of
 from chord_usd.library.database import AssetDatabase
-from chord_usd.line.dressing.draws import Draws
 from chord_usd.line.dressing.dress_art import dress_art
 from chord_usd.line.dressing.dress_bathrooms import dress_bathroom
 from chord_usd.line.dressing.dress_boards import dress_boards
@@ -46,8 +45,7 @@ from chord_usd.line.dressing.dress_pieces import dress_pieces
 from chord_usd.line.dressing.dress_walls import dress_fittings, hang_television, heated_alike
 from chord_usd.line.dressing.dress_windows import dress_windows
 from chord_usd.line.dressing.room_frame import ReliefsOf, RoomFrame, named
-from chord_usd.line.dressing.stock import Stock
-from chord_usd.line.dressing.tastes import taste_of
+from chord_usd.line.dressing.stock import Draws, Stock, taste_of
 
 
 def dress(

@@ -26,12 +26,8 @@ from chord_usd.base.scene.geometry import (
 )
 from chord_usd.base.scene.palette import CATEGORIES, Mount
 from chord_usd.base.scene.types import ROOM_HEIGHT_M, Asset, Box, FloatArray, Item, Room, RoomKind
-from chord_usd.library.asset_boards import boards_of
-from chord_usd.library.asset_leaves import leaves_of
-from chord_usd.library.asset_relief import relief_of
-from chord_usd.line.dressing.draws import Draws
-from chord_usd.line.dressing.stock import Stock
-from chord_usd.line.dressing.tastes import Taste
+from chord_usd.library.asset_shapes import boards_of, leaves_of, relief_of
+from chord_usd.line.dressing.stock import Draws, Stock, Taste
 
 IN_ROOM_M = 0.002
 """What reaches farther beyond the floor of its room is not in it."""
@@ -191,7 +187,7 @@ class RoomFrame:
         return True
 
     def boards(self, item: Item) -> FloatArray:
-        """Open boards of a piece (assets.asset_boards); none of one without a mesh."""
+        """Open boards of a piece; none of one without a mesh."""
         return self.reliefs.boards(item)
 
     def relief(self, item: Item) -> Relief:

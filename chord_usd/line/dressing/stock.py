@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from chord_usd.base.scene.palette import CATEGORIES
 from chord_usd.base.scene.types import Asset
 from chord_usd.library.database import AssetDatabase
-from chord_usd.line.dressing.draws import Draws
 
 STRETCH = 0.15
 """Share by which a textile, a rail, a blind is made longer or shorter to fit."""
@@ -116,3 +117,86 @@ def nearest_length(assets: Sequence[Asset], length_m: float) -> Asset | None:
 def stretched(side_m: float, wanted_m: float, share: float = STRETCH) -> float:
     """The side as near to what is wanted as stretching by this share brings it."""
     return float(np.clip(wanted_m, side_m * (1.0 - share), side_m * (1.0 + share)))
+
+
+# Random numbers by what they are for, so that one choice does not change the next ----------------
+
+
+class Draws:
+    """Generators of one room, or of what agrees through a house."""
+
+    def __init__(self, seed: int, place: str = "") -> None:
+        """place: id of the room; empty for the house."""
+        self._key = f"{seed}/{place}"
+
+    def rng(self, topic: str) -> np.random.Generator:
+        """A generator that starts at the same place each time it is asked for."""
+        return np.random.default_rng(_number(f"{self._key}/{topic}"))
+
+    def chance(self, topic: str, share: float) -> bool:
+        """True for about this share of topics."""
+        return self.share(topic) < share
+
+    def share(self, topic: str) -> float:
+        """A number in [0, 1)."""
+        return _number(f"{self._key}/{topic}") / 2.0**64
+
+
+def _number(text: str) -> int:
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "little")
+
+
+# How much of what each style shows ---------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Taste:
+    """What a style does with a room. Shares and chances are in [0, 1]."""
+
+    pictures: float
+    """Share of the places for pictures that are used."""
+    gallery: float
+    """Chance that a place has a group of them in place of one."""
+    symmetric: bool
+    """Whether things stand in pairs about an axis, or in groups beside it."""
+    cushions: int
+    """Most cushions on a sofa."""
+    throws: float
+    plants: int
+    """Most plants on the floor of a room."""
+    curtains: float
+    """Chance that a house has curtains rather than blinds where people sit and sleep."""
+    sheers: float
+    """Chance that a room's curtains are sheer ones, drawn."""
+    rugs: float
+    boards: float
+    """Share of the length of boards and shelves that is filled."""
+    shelves: float
+    """Chance of a wall shelf where there is a place for one."""
+    wall_lamps: float
+    mirrors: float
+    radiators: float
+    open_kitchen: float
+    """Chance that a place over the worktop has a rail or a shelf in place of a cabinet."""
+    little: float
+    """Share of small things that are put out at all: jars, bottles, candles."""
+
+
+TASTES: dict[str, Taste] = {
+    "modern": Taste(0.75, 0.3, False, 4, 0.6, 2, 0.85, 0.35, 0.85, 0.5, 0.4, 0.4, 0.5, 0.6, 0.1,
+                    0.7),
+    "scandinavian": Taste(0.8, 0.5, False, 4, 0.85, 3, 0.9, 0.4, 0.9, 0.5, 0.6, 0.5, 0.6, 0.8,
+                          0.35, 0.8),
+    "classic": Taste(1.0, 0.6, True, 5, 0.6, 2, 1.0, 0.2, 0.95, 0.65, 0.35, 0.9, 0.9, 0.9, 0.05,
+                     1.0),
+    "industrial": Taste(0.85, 0.45, False, 3, 0.6, 2, 0.55, 0.1, 0.8, 0.6, 0.7, 0.6, 0.5, 0.9, 0.4,
+                        0.85),
+    "japanese": Taste(0.55, 0.1, False, 3, 0.5, 2, 0.35, 0.5, 0.8, 0.4, 0.5, 0.3, 0.3, 0.2, 0.3,
+                      0.6),
+}  # fmt: skip
+"""By name of the style (scene.styles)."""
+
+
+def taste_of(style: str) -> Taste:
+    """That of a style; of modern for one that has none."""
+    return TASTES.get(style, TASTES["modern"])

@@ -22,8 +22,7 @@ from chord_usd.base.raster.relief import Relief, Reliefs
 from chord_usd.base.scene.geometry import footprint_polygon, in_world, to_own
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Box, FloatArray, Item
-from chord_usd.line.graph.fit import fitted_box
-from chord_usd.line.graph.match import Database, reading_order
+from chord_usd.line.graph.match import Database, fitted_box, reading_order
 
 ON_TOP = 0.995
 """Share of its footprint that must lie over the top; the rest is rounding of cells."""

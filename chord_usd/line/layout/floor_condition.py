@@ -14,7 +14,7 @@ from chord_usd.base.raster.plan_labels import fill_shell
 from chord_usd.base.scene.palette import ROOM_SHADES, category
 from chord_usd.base.scene.types import ByteArray
 from chord_usd.base.scene.wish import WISHED_KINDS
-from chord_usd.line.layout.condition_planes import (
+from chord_usd.line.layout.condition import (
     Condition,
     distance_planes,
     free_length_planes,

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from chord_usd.base.scene.types import BoolArray
-from chord_usd.line.layout.codes import codebook, encode
 from chord_usd.line.layout.denoiser import Estimate, Plans
+from chord_usd.line.layout.draft import codebook, encode
 from chord_usd.line.layout.levels import LevelTraits
 from chord_usd.line.layout.schedule import State
 

@@ -14,7 +14,7 @@ from chord_usd.base.raster.canvas import paint_layout
 from chord_usd.base.scene import palette
 from chord_usd.base.scene.types import BASE_AND_HEIGHT_M, BoolArray, ByteArray, PlanImage
 from chord_usd.line.layout import condition, floor_condition, table_condition
-from chord_usd.line.layout.condition_planes import Condition
+from chord_usd.line.layout.condition import Condition
 from chord_usd.line.layout.config import LayoutConfig
 
 Describe = Callable[[ByteArray, float, int], Condition]

@@ -9,8 +9,8 @@ from diffusers import UNet2DConditionModel, UNet2DModel
 from torch import Tensor, nn
 from torch.nn import functional
 
-from chord_usd.line.layout.codes import STATE_CHANNELS, codebook
 from chord_usd.line.layout.config import LayoutConfig
+from chord_usd.line.layout.draft import STATE_CHANNELS, codebook
 from chord_usd.line.layout.levels import traits_of
 
 RGB_CHANNELS = 3

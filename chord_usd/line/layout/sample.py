@@ -21,12 +21,18 @@ from chord_usd.base.scene.types import (
     Provenance,
     frozen_array,
 )
-from chord_usd.line.layout.codes import STATE_CHANNELS, encode
 from chord_usd.line.layout.denoiser import Denoiser, Estimate, Plans, load_denoiser
-from chord_usd.line.layout.draft import DRAFT_PLANES, Draft
+from chord_usd.line.layout.draft import DRAFT_PLANES, STATE_CHANNELS, Draft, encode
 from chord_usd.line.layout.known import bare_outside, bare_pixel, held_to_plan
 from chord_usd.line.layout.levels import traits_of
-from chord_usd.line.layout.mosaic import Mosaic, mosaic_of
+from chord_usd.line.layout.mosaic import (
+    Mosaic,
+    Window,
+    WindowSize,
+    mosaic_of,
+    window_of,
+    window_size,
+)
 from chord_usd.line.layout.schedule import (
     WALKED,
     DiffusersSampler,
@@ -37,7 +43,6 @@ from chord_usd.line.layout.schedule import (
     noised,
     walk_of,
 )
-from chord_usd.line.layout.window import Window, WindowSize, window_of, window_size
 
 RGB_CHANNELS = 3
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from chord_usd.base.raster.table_top import NEIGHBOURS, border_rgb, top_mask
 from chord_usd.base.scene.palette import SUPPORTS, TOP_SHADES
 from chord_usd.base.scene.types import BoolArray, ByteArray
-from chord_usd.line.layout.condition_planes import (
+from chord_usd.line.layout.condition import (
     Condition,
     distance_planes,
     free_length_planes,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from chord_usd.base.scene.numbers_said import plain_text
 from chord_usd.base.scene.palette import DRESSING_CATEGORIES, having
-from chord_usd.line.lists.piece_words import ANY_M, WORDS, named
+from chord_usd.line.lists.vocabulary import ANY_M, WORDS, named
 
 LONGEST = 6
 """Words in a phrase."""

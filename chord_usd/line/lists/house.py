@@ -15,7 +15,6 @@ from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import Item, Plan, Room, RoomKind, SceneGraph
 from chord_usd.line.lists.home_programme import Programme, programme_of, toilets_elsewhere
 from chord_usd.line.lists.list_sampler import HEAT, Drawer, Drawn, Heat, Subject, without
-from chord_usd.line.lists.piece_words import ANY_M
 from chord_usd.line.lists.pieces import (
     PIECES,
     Around,
@@ -27,6 +26,7 @@ from chord_usd.line.lists.pieces import (
     segments_of,
 )
 from chord_usd.line.lists.ranking import Ranking
+from chord_usd.line.lists.vocabulary import ANY_M
 from chord_usd.line.lists.wishes import Asked, Piece
 
 WISHED = 4

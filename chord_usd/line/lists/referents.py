@@ -10,7 +10,7 @@ from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.types import Item, Room, RoomKind, SceneGraph
 from chord_usd.line.lists.clauses import WHERE, Clause, Noun, not_understood
 from chord_usd.line.lists.edit_words import SEATED_AT, Token
-from chord_usd.line.lists.piece_words import HERE
+from chord_usd.line.lists.vocabulary import HERE
 from chord_usd.line.lists.wishes import SLACK_M, rooms_meant
 
 _BY_M = 0.6

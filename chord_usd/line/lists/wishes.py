@@ -15,8 +15,8 @@ from chord_usd.base.scene.palette import CATEGORIES, TABLE_CATEGORIES
 from chord_usd.base.scene.room_names import room_kind
 from chord_usd.base.scene.types import Item, Room
 from chord_usd.base.scene.wish import NAMES
-from chord_usd.line.lists.piece_words import ANY_M, HERE, WORDS, Named, named
 from chord_usd.line.lists.pieces import MOST_PIECES
+from chord_usd.line.lists.vocabulary import ANY_M, HERE, WORDS, Named, named
 
 MOST_CHARACTERS = 2000
 SLACK_M = 0.08

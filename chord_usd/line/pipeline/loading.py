@@ -37,7 +37,7 @@ def load_table_model(settings: Settings) -> TopModel | None:
     if not settings.tabletop:
         return None
     if settings.lists:
-        from chord_usd.line.lists.top_lists import load_lister
+        from chord_usd.line.lists.things import load_lister
 
         return load_lister(checkpoint_folder(THINGS_CHECKPOINT))
     from chord_usd.line.graph.table_items import TopPainter

@@ -204,7 +204,7 @@ def lay_tables(
     rooms: ids of the rooms whose pieces are laid, by default all. but: ids of pieces that stay as
     they are.
     """
-    from chord_usd.library.asset_relief import relief_of
+    from chord_usd.library.asset_shapes import relief_of
     from chord_usd.line.graph.tabletop import lay_pieces, table_views, with_items
 
     views = [view for view in table_views(graph, relief_of, rooms) if view.item.id not in but]

@@ -33,7 +33,7 @@ from chord_usd.base.errors import SceneError
 from chord_usd.base.runtime.archives import Archive
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.json_text import parse_json
-from chord_usd.base.runtime.npy import array_in
+from chord_usd.base.runtime.sent_values import array_in
 from chord_usd.base.scene.geometry import footprint
 from chord_usd.base.scene.types import FloatArray, Item, Room, SceneGraph, frozen_array
 from chord_usd.workshop.data.threed_front import category_of, item_at, kind_of, outline_of

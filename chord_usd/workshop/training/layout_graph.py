@@ -8,9 +8,8 @@ import torch
 from torch import Tensor, nn
 
 from chord_usd.base.runtime.networks import has_graph
-from chord_usd.line.layout.codes import STATE_CHANNELS
 from chord_usd.line.layout.denoiser import GRAPH_INPUTS, GRAPH_OUTPUTS
-from chord_usd.line.layout.draft import DRAFT_PLANES
+from chord_usd.line.layout.draft import DRAFT_PLANES, STATE_CHANNELS
 from chord_usd.line.layout.levels import traits_of
 from chord_usd.line.layout.network import LayoutNetwork
 from chord_usd.workshop.training.onnx_file import write_graph

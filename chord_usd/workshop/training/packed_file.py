@@ -15,8 +15,7 @@ from safetensors.numpy import save
 
 from chord_usd.base.runtime.checksums import checkpoint_files
 from chord_usd.base.runtime.files import write_atomic
-from chord_usd.base.runtime.networks import WEIGHTS_FILE, read_weights
-from chord_usd.base.runtime.packed_weights import packed
+from chord_usd.base.runtime.networks import WEIGHTS_FILE, packed, read_weights
 
 
 def write_eight_bits(folder: Path) -> None:

@@ -28,7 +28,7 @@ from chord_usd.base.scene.types import (
 from chord_usd.line.layout.config import LayoutConfig
 from chord_usd.line.layout.draft import Draft
 from chord_usd.line.layout.levels import traits_of
-from chord_usd.line.layout.window import Window, WindowSize, window_of, window_size
+from chord_usd.line.layout.mosaic import Window, WindowSize, window_of, window_size
 from chord_usd.workshop.data.augment import random_pose
 from chord_usd.workshop.data.furnish import furnish
 from chord_usd.workshop.data.houses import random_plan

@@ -17,7 +17,7 @@ from torch.nn import functional
 
 from chord_usd.base.runtime.targets import begin_run
 from chord_usd.line.layout.checkpoint import load_checkpoint, save_checkpoint
-from chord_usd.line.layout.condition_planes import AREA_SCALE
+from chord_usd.line.layout.condition import AREA_SCALE
 from chord_usd.line.layout.config import LayoutConfig
 from chord_usd.line.layout.device import half_precision
 from chord_usd.line.layout.levels import traits_of

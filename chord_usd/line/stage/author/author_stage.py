@@ -37,8 +37,7 @@ from chord_usd.line.stage.author.furniture import (
     place_dressing,
     place_furniture,
 )
-from chord_usd.line.stage.author.lighting import set_lighting
-from chord_usd.line.stage.author.lights import hang_lamps, hang_light
+from chord_usd.line.stage.author.lighting import hang_lamps, hang_light, set_lighting
 from chord_usd.line.stage.author.look_variants import wear_looks
 from chord_usd.line.stage.author.names import NamedRoom
 from chord_usd.line.stage.author.physics import write_gravity

@@ -14,7 +14,7 @@ from chord_usd.base.metrics.rooms import rooms_to_furnish
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.palette import CATEGORIES, Mount
 from chord_usd.base.scene.types import WET_KINDS, Item, Opening, Room, RoomKind, SceneGraph
-from chord_usd.line.stage.author.textures import bound_material, coordinates_read
+from chord_usd.line.stage.author.surfaces import bound_material, coordinates_read
 from chord_usd.line.stage.check.check_held import WINDOW_GAP_M
 from chord_usd.line.stage.check.check_scene import StageScene
 

@@ -15,7 +15,7 @@ from chord_usd.base.places.swept import OPENS, WALL, Boxes, Leaf, way_of
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.trim import boards, casings
 from chord_usd.base.scene.types import Box, FloatArray, Item
-from chord_usd.library.asset_leaves import Openable, openable
+from chord_usd.library.asset_shapes import Openable, openable
 from chord_usd.line.stage.check.check_scene import StageScene
 
 _HALF = 0.5

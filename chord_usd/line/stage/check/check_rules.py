@@ -34,7 +34,7 @@ import numpy as np
 from pxr import Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation
 
 from chord_usd.base.runtime.stages import named_in
-from chord_usd.line.stage.author.textures import bound_material, coordinates_read
+from chord_usd.line.stage.author.surfaces import bound_material, coordinates_read
 from chord_usd.line.stage.check.triangles import cross
 
 NODE_ID = "chord:node_id"

@@ -40,8 +40,7 @@ from chord_usd.line.stage.author.furniture import (
     place_dressing,
     place_furniture,
 )
-from chord_usd.line.stage.author.lighting import MOODS, forget, shine, variants_of
-from chord_usd.line.stage.author.lights import hang_lamps
+from chord_usd.line.stage.author.lighting import MOODS, forget, hang_lamps, shine, variants_of
 from chord_usd.line.stage.author.names import NamedRoom, name_items
 from chord_usd.line.stage.author.prims import Types, attribute
 from chord_usd.line.stage.author.stage_levels import STOREY, room_spec

@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 from chord_usd.base.runtime.networks import usable_cores
 from chord_usd.base.runtime.stages import open_known, room_prims
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.line.stage.author.textures import bound_material
+from chord_usd.line.stage.author.surfaces import bound_material
 from chord_usd.line.stage.export.gltf_file import Entry, GltfFile
 from chord_usd.line.stage.export.gltf_lights import LUX_PER_UNIT, camera_of, light_of
 from chord_usd.line.stage.export.gltf_looks import Looks

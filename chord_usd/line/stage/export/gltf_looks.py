@@ -14,7 +14,7 @@ from PIL import Image
 from pxr import UsdShade
 
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.line.stage.author.textures import (
+from chord_usd.line.stage.author.surfaces import (
     opened_picture,
     picture_bytes,
     placement_of,

@@ -20,7 +20,7 @@ import numpy as np
 from pxr import Ar, Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdUtils, Vt
 
 from chord_usd.line.stage.author.author_stage import ARCHIVE_TIME_S
-from chord_usd.line.stage.author.textures import (
+from chord_usd.line.stage.author.surfaces import (
     bound_material,
     place_of,
     placed,

@@ -10,7 +10,7 @@ from pxr import Usd, UsdGeom
 
 from chord_usd.base.scene.geometry import shared_rows
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.line.stage.author.textures import placed, st_of
+from chord_usd.line.stage.author.surfaces import placed, st_of
 from chord_usd.line.stage.shell.mesh import corner_normals, fans
 
 _NORMAL_STEPS = 2.0**20

@@ -10,7 +10,7 @@ from PIL import Image
 from pxr import Ar, Usd, UsdShade
 
 from chord_usd.base.scene.palette import CATEGORIES
-from chord_usd.line.stage.author.textures import bound_material, opened_picture, source_of, value_of
+from chord_usd.line.stage.author.surfaces import bound_material, opened_picture, source_of, value_of
 from chord_usd.line.stage.export.exchange.built_house import House
 from chord_usd.line.stage.export.exchange.ifc_builder import Entity, IfcBuilder
 from chord_usd.line.stage.export.exchange.placed_pieces import Piece, pieces_of

@@ -14,7 +14,7 @@ from PIL import Image
 from pxr import Usd, UsdGeom, UsdShade
 
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.line.stage.author.textures import (
+from chord_usd.line.stage.author.surfaces import (
     bound_material,
     opened_picture,
     picture_bytes,
