@@ -22,7 +22,7 @@ from pxr import Usd
 from results import write_section
 
 from chord_usd.base.scene.stacking import stack
-from chord_usd.base.scene.stair_elements import StairForm
+from chord_usd.base.scene.storeys import StairForm
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.line.stage.author.author_stage import author_levels
 from chord_usd.line.stage.author.stage_levels import levels_of

@@ -25,7 +25,7 @@ import numpy as np
 from chord_usd.base.runtime.json_text import json_text
 from chord_usd.base.scene.chord_json import write_plan
 from chord_usd.base.scene.json_stairs import storeys_to_json
-from chord_usd.base.scene.stair_elements import StairForm
+from chord_usd.base.scene.storeys import StairForm
 from chord_usd.line import pipeline
 from chord_usd.line.stage.check.check_stage import check_stage
 from chord_usd.workshop.data.storey_houses import random_storeys

@@ -29,9 +29,12 @@ sys.path.insert(0, str(ROOT))
 from outside import watch  # noqa: E402
 from results import write_section  # noqa: E402
 
-from chord_usd.base.runtime.manifest import MANIFEST_FILE, Manifest  # noqa: E402
 from chord_usd.base.runtime.scratch import PREFIX  # noqa: E402
-from chord_usd.base.runtime.targets import begin_run  # noqa: E402
+from chord_usd.base.runtime.targets import (  # noqa: E402
+    MANIFEST_FILE,
+    Manifest,
+    begin_run,
+)
 from chord_usd.base.scene.chord_json import read_scene  # noqa: E402
 from chord_usd.cli import build_parser, main  # noqa: E402
 from tests.strangers_verbs import ENDLESS, INPUTS, OUTPUTS, make_home, option_strings  # noqa: E402

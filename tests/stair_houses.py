@@ -6,9 +6,8 @@ import numpy as np
 
 from chord_usd.base.scene.json_stairs import stair_to_json
 from chord_usd.base.scene.stacking import stack
-from chord_usd.base.scene.stair_elements import Stair, StairForm, Turn
 from chord_usd.base.scene.stair_places import DRAWN_STAIRS
-from chord_usd.base.scene.storeys import STAIRS, Building, StoreyPlan
+from chord_usd.base.scene.storeys import STAIRS, Building, Stair, StairForm, StoreyPlan, Turn
 from chord_usd.base.scene.types import Box, Opening, Plan, Room
 
 SIDE_M = 7.0

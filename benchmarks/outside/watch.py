@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from chord_usd.base.runtime import resident
-from chord_usd.base.runtime.manifest import hash_file
+from chord_usd.base.runtime.targets import hash_file
 
 CODES = (0, 1, 2)
 LONGEST_S = 60.0

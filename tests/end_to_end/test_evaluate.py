@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import torch
 
-from chord_usd.base.runtime.manifest import MANIFEST_FILE
+from chord_usd.base.runtime.targets import MANIFEST_FILE
 from chord_usd.base.scene.chord_json import write_scene
 from chord_usd.base.scene.types import SceneGraph
 from chord_usd.cli import DONE, UNUSABLE, main

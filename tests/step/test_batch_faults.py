@@ -15,7 +15,7 @@ import batch_makers as makers
 import pytest
 
 from chord_usd.base.errors import OutputError
-from chord_usd.base.runtime.manifest import MANIFEST_FILE
+from chord_usd.base.runtime.targets import MANIFEST_FILE
 from chord_usd.faces.batch.local import LocalEngine
 from chord_usd.faces.batch.run import run_batch
 

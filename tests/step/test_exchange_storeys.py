@@ -13,9 +13,8 @@ from pxr import Usd
 
 from chord_usd.base.scene.json_stairs import stairs_of
 from chord_usd.base.scene.stacking import stack
-from chord_usd.base.scene.stair_elements import StairForm
 from chord_usd.base.scene.stair_forms import build_stair
-from chord_usd.base.scene.storeys import STOREY_M, StoreyPlan
+from chord_usd.base.scene.storeys import STOREY_M, StairForm, StoreyPlan
 from chord_usd.base.scene.types import Plan
 from chord_usd.line.plan.read import read_storey_plans
 from chord_usd.line.stage.author.author_stage import author_levels

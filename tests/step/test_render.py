@@ -24,8 +24,8 @@ from scipy.stats import spearmanr
 
 from chord_usd import cli
 from chord_usd.base.errors import OutputError, RenderError, StageError
-from chord_usd.base.runtime.manifest import MANIFEST_FILE
 from chord_usd.base.runtime.stages import StageFiles
+from chord_usd.base.runtime.targets import MANIFEST_FILE
 from chord_usd.base.scene.types import SceneGraph
 from chord_usd.library.looks.look_library import StyleLooks
 from chord_usd.line.image.exr import read_exr

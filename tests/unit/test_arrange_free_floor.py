@@ -19,7 +19,7 @@ from chord_usd.base.scene.types import (
     SceneGraph,
     frozen_array,
 )
-from chord_usd.line.arrange.free_floor import Painted, kept_off
+from chord_usd.line.arrange.arrangement import Painted, kept_off
 from chord_usd.line.graph.colours import NO_ITEM
 
 ROOM = Room("room1", "bedroom", frozen_array([(0, 0), (4, 0), (4, 4), (0, 4)]))

@@ -13,8 +13,8 @@ from chord_usd.base.metrics.violations import violations
 from chord_usd.base.scene.geometry import footprint_polygon, to_own
 from chord_usd.base.scene.trim import casings
 from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
-from chord_usd.line.compose.composer import compose
-from chord_usd.line.compose.kitchens import (
+from chord_usd.line.compose.composer import (
+    compose,
     composed_kitchens,
     composed_of,
     put_back,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from chord_usd.base.runtime.decoders import DECODERS
+from chord_usd.base.runtime.confined import DECODERS
 from tests.unit.test_architecture import MODULES, PACKAGE, parsed
 
 LIBRARIES = {

@@ -14,9 +14,8 @@ from chord_usd.base.errors import OutputError
 from chord_usd.base.runtime import files, interrupts
 from chord_usd.base.runtime.files import deliver, output_folder, write_atomic
 from chord_usd.base.runtime.locations import absolute
-from chord_usd.base.runtime.manifest import MANIFEST_FILE
 from chord_usd.base.runtime.scratch import LOCK_FILE, PREFIX, scratch_folder
-from chord_usd.base.runtime.targets import FolderMode, begin_run
+from chord_usd.base.runtime.targets import MANIFEST_FILE, FolderMode, begin_run
 
 
 def everything_in(folder: Path) -> dict[str, bytes]:

@@ -20,14 +20,13 @@ from chord_usd.base.metrics.design.home_rules import (
     TELEVISION,
     WARDROBES,
 )
-from chord_usd.base.metrics.design.price import tight
+from chord_usd.base.metrics.design.price import before_leaves, tight
 from chord_usd.base.metrics.design.shell import shells
-from chord_usd.base.metrics.design.shut_leaves import before_leaves
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.metrics.walk import ways_shut
-from chord_usd.base.places.free_boxes import is_passage
+from chord_usd.base.places.free_places import is_passage
 from chord_usd.base.scene.types import (
     Box,
     Item,
@@ -37,7 +36,7 @@ from chord_usd.base.scene.types import (
     SceneGraph,
     frozen_array,
 )
-from chord_usd.line.compose.kitchens import composed_kitchens, with_kitchens
+from chord_usd.line.compose.composer import composed_kitchens, with_kitchens
 from chord_usd.line.lists.dining_changes import seats_at
 from chord_usd.line.lists.improve import free_of_clashes, improved
 from chord_usd.line.lists.other_places import changes_of

@@ -38,10 +38,9 @@ from chord_usd.line.lists.home_programme import programme_of
 from chord_usd.line.lists.house import Drafts, furnish_by_lists
 from chord_usd.line.lists.improve import improved
 from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Drawn, ListDrawer, Subject
-from chord_usd.line.lists.mend import mended
 from chord_usd.line.lists.other_places import changes_of
 from chord_usd.line.lists.pieces import PIECES
-from chord_usd.line.lists.ranking import Ranking
+from chord_usd.line.lists.ranking import Ranking, mended
 from chord_usd.line.lists.vocabulary import END, NOTHING, Element, sequence_of
 from chord_usd.line.lists.wishes import Asked, Piece
 from chord_usd.workshop.data.furnish import furnish

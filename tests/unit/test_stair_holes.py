@@ -12,8 +12,7 @@ from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import room_polygon, to_world
 from chord_usd.base.scene.stacking import stack
 from chord_usd.base.scene.stair_cells import is_cell
-from chord_usd.base.scene.stair_elements import HEADROOM_M, StairForm
-from chord_usd.base.scene.storeys import STAIRS
+from chord_usd.base.scene.storeys import HEADROOM_M, STAIRS, StairForm
 from chord_usd.base.scene.tunnels import as_cut
 from chord_usd.base.scene.types import ROOM_HEIGHT_M
 from chord_usd.workshop.data.storey_houses import random_storeys

@@ -11,9 +11,9 @@ from shapely.ops import unary_union
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import footprint_polygon, to_world
-from chord_usd.base.scene.stair_elements import GOING_M, HEADROOM_M, RISE_M, Stair, Turn
 from chord_usd.base.scene.stair_forms import BuiltStair, build_stair, least_square_m
 from chord_usd.base.scene.stair_spirals import POLE_M, RIM_M, SPIRAL_THICK_M, is_round
+from chord_usd.base.scene.storeys import GOING_M, HEADROOM_M, RISE_M, Stair, Turn
 from chord_usd.base.scene.types import Box
 from tests.every import for_every
 

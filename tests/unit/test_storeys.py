@@ -18,11 +18,10 @@ from chord_usd.base.scene.json_stairs import storeys_from_json, storeys_to_json
 from chord_usd.base.scene.pose import Pose, posed
 from chord_usd.base.scene.stacking import stack
 from chord_usd.base.scene.stair_cells import is_cell
-from chord_usd.base.scene.stair_elements import STEEP, TO_RULE
 from chord_usd.base.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
 from chord_usd.base.scene.stair_places import DRAWN_STAIRS
 from chord_usd.base.scene.stair_spirals import is_round
-from chord_usd.base.scene.storeys import STAIRS, Building, StoreyPlan
+from chord_usd.base.scene.storeys import STAIRS, STEEP, TO_RULE, Building, StoreyPlan
 from chord_usd.base.scene.types import Plan, Room, RoomKind
 from chord_usd.workshop.data.storey_houses import random_storeys
 

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from chord_usd.base.errors import ChordError
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.locations import cache_folder
 from chord_usd.base.scene.skies import PICTURE_SUFFIXES, Sky, Sun

@@ -18,7 +18,7 @@ import numpy as np
 
 from chord_usd.base.errors import SceneError
 from chord_usd.base.raster.canvas import LARGEST_CANVAS_PX
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.runtime.files import write_atomic
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.json_text import parse_json

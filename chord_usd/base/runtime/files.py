@@ -19,18 +19,21 @@ from pathlib import Path
 from chord_usd.base.errors import ChordError, DiskFullError, OutputError
 from chord_usd.base.runtime import interrupts
 from chord_usd.base.runtime.locations import absolute, cache_folder
-from chord_usd.base.runtime.manifest import MANIFEST_FILE, Manifest, hash_file, same_bytes
 from chord_usd.base.runtime.scratch import PREFIX as SCRATCH_PREFIX
 from chord_usd.base.runtime.scratch import Scratch
 from chord_usd.base.runtime.targets import (
     FREE_SPACE,
+    MANIFEST_FILE,
     NEARLY_FULL_BYTES,
     FolderMode,
+    Manifest,
     check_file_target,
+    hash_file,
     is_full,
     not_ours,
     output_error,
     refuse_folder,
+    same_bytes,
 )
 
 __all__ = [

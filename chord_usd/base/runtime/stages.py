@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.errors import ChordError, StageError, reason_of
 from chord_usd.base.runtime.archives import Archive
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
 from chord_usd.base.runtime.locations import absolute, open_folders
 

@@ -26,8 +26,7 @@ from chord_usd.base.scene.chord_json import (
 )
 from chord_usd.base.scene.json_elements import Element
 from chord_usd.base.scene.limits import MOST_STAIRS, MOST_STOREYS
-from chord_usd.base.scene.stair_elements import Leads, Stair, StairForm, Turn
-from chord_usd.base.scene.storeys import STAIRS, StoreyPlan
+from chord_usd.base.scene.storeys import STAIRS, Leads, Stair, StairForm, StoreyPlan, Turn
 from chord_usd.base.scene.types import Plan, SceneGraph
 from chord_usd.base.scene.units import cm_from_m, m_from_cm
 

@@ -15,7 +15,7 @@ from shapely.ops import unary_union
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import polygons_of, room_polygon
-from chord_usd.base.scene.stair_elements import Stair
+from chord_usd.base.scene.storeys import Stair
 from chord_usd.base.scene.types import WALL_THICKNESS_M, Plan
 from chord_usd.base.scene.units import wrap_deg
 

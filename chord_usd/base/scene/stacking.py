@@ -14,14 +14,15 @@ from chord_usd.base.scene.limits import MOST_STOREYS
 from chord_usd.base.scene.pose import Pose, posed
 from chord_usd.base.scene.registration import Registration, register
 from chord_usd.base.scene.stair_cells import Cell, with_cell
-from chord_usd.base.scene.stair_elements import STEEP, Stair
 from chord_usd.base.scene.stair_forms import build_stair
 from chord_usd.base.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
 from chord_usd.base.scene.stair_places import drawn_stairs, grown_stair, seen_on_both
 from chord_usd.base.scene.storeys import (
+    STEEP,
     STOREY_M,
     Building,
     Climb,
+    Stair,
     Storey,
     StoreyPlan,
     prefix_of,

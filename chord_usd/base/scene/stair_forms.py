@@ -17,7 +17,9 @@ from shapely.ops import unary_union
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import polygons_of, to_world
-from chord_usd.base.scene.stair_elements import (
+from chord_usd.base.scene.stair_spirals import RIM_M, least_spiral_m, spirals
+from chord_usd.base.scene.stair_winders import half_winders, quarter_winders
+from chord_usd.base.scene.storeys import (
     CEILING_TO_FLOOR_M,
     HEADROOM_M,
     TO_RULE,
@@ -28,8 +30,6 @@ from chord_usd.base.scene.stair_elements import (
     StairRule,
     Tread,
 )
-from chord_usd.base.scene.stair_spirals import RIM_M, least_spiral_m, spirals
-from chord_usd.base.scene.stair_winders import half_winders, quarter_winders
 from chord_usd.base.scene.types import FloatArray
 
 _L_WIDTH_M = 0.95

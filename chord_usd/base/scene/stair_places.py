@@ -14,7 +14,10 @@ from shapely.ops import unary_union
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import polygons_of, room_polygon, to_own, to_world
 from chord_usd.base.scene.stair_cells import is_cell, with_cell
-from chord_usd.base.scene.stair_elements import (
+from chord_usd.base.scene.stair_forms import BuiltStair, build_stair, least_run_m, least_square_m
+from chord_usd.base.scene.stair_landings import LEAST_LANDING_M
+from chord_usd.base.scene.stair_spirals import RIM_M, is_round
+from chord_usd.base.scene.storeys import (
     LEAST_WIDTH_M,
     STEEP,
     TO_RULE,
@@ -24,9 +27,6 @@ from chord_usd.base.scene.stair_elements import (
     StairRule,
     Turn,
 )
-from chord_usd.base.scene.stair_forms import BuiltStair, build_stair, least_run_m, least_square_m
-from chord_usd.base.scene.stair_landings import LEAST_LANDING_M
-from chord_usd.base.scene.stair_spirals import RIM_M, is_round
 from chord_usd.base.scene.types import Box, FloatArray, Plan, Room, frozen_array
 from chord_usd.base.scene.units import m_from_cm
 

@@ -21,7 +21,7 @@ import shapely
 from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.polygon import orient
 
-from chord_usd.base.scene.stair_elements import (
+from chord_usd.base.scene.storeys import (
     GOING_M,
     HEADROOM_M,
     LEAST_WIDTH_M,

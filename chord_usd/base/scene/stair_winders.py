@@ -22,7 +22,7 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.polygon import orient
 from shapely.ops import substring
 
-from chord_usd.base.scene.stair_elements import (
+from chord_usd.base.scene.storeys import (
     WELL_M,
     Flight,
     StairForm,

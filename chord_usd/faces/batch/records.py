@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.base.runtime.files import hash_file, write_atomic
-from chord_usd.base.runtime.manifest import MANIFEST_FILE
+from chord_usd.base.runtime.targets import MANIFEST_FILE
 
 HOUSE_RECORD = "house.json"
 PICTURES_RECORD = "pictures.json"

@@ -11,8 +11,7 @@ from statistics import mean, median
 from typing import Any
 
 from chord_usd.base.runtime.files import write_atomic
-from chord_usd.base.runtime.manifest import Manifest
-from chord_usd.base.runtime.targets import not_ours
+from chord_usd.base.runtime.targets import Manifest, not_ours
 from chord_usd.faces.batch.failures import failures_in
 from chord_usd.faces.batch.lock import LOCK_FILE
 from chord_usd.faces.batch.make import SCENE_FILE

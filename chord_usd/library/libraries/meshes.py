@@ -12,7 +12,7 @@ import numpy as np
 from trimesh.resolvers import Resolver
 
 from chord_usd.base.errors import AssetError, ChordError
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.runtime.stages import count_prims, open_known, walk
 from chord_usd.base.scene.types import ByteArray, FloatArray, frozen_array
 

@@ -15,8 +15,7 @@ import numpy as np
 
 from chord_usd.base.scene.oriented_rect import Footprint
 from chord_usd.base.scene.types import Box, Edit, Item, SceneGraph
-from chord_usd.line.arrange.arrangement import Arrangement
-from chord_usd.line.arrange.free_floor import kept_off
+from chord_usd.line.arrange.arrangement import Arrangement, kept_off
 from chord_usd.line.arrange.leaves_free import free_leaves
 from chord_usd.line.arrange.moved_aside import leave_out, move_aside
 from chord_usd.line.arrange.off_trim import clear_trim, cut_at_walls, hang_on_walls

@@ -17,7 +17,7 @@ from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.footprints import is_underfoot
 from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.base.metrics.walk import entrance, free_floor
-from chord_usd.base.places.free_ways import Borders, Walkways
+from chord_usd.base.places.free_places import Borders, Walkways
 from chord_usd.base.places.room_space import (
     take_clearances,
     take_fronts,
@@ -38,11 +38,15 @@ from chord_usd.library.database import AssetDatabase
 from chord_usd.line.dressing.dress_art import dress_art
 from chord_usd.line.dressing.dress_bathrooms import dress_bathroom
 from chord_usd.line.dressing.dress_boards import dress_boards
-from chord_usd.line.dressing.dress_ceilings import dress_ceilings
 from chord_usd.line.dressing.dress_floors import dress_floor, dress_rugs
 from chord_usd.line.dressing.dress_kitchens import dress_kitchen
 from chord_usd.line.dressing.dress_pieces import dress_pieces
-from chord_usd.line.dressing.dress_walls import dress_fittings, hang_television, heated_alike
+from chord_usd.line.dressing.dress_walls import (
+    dress_ceilings,
+    dress_fittings,
+    hang_television,
+    heated_alike,
+)
 from chord_usd.line.dressing.dress_windows import dress_windows
 from chord_usd.line.dressing.room_frame import ReliefsOf, RoomFrame, named
 from chord_usd.line.dressing.stock import Draws, Stock, taste_of

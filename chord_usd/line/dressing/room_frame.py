@@ -13,7 +13,7 @@ import shapely
 from shapely.geometry import LineString
 
 from chord_usd.base.errors import AssetError
-from chord_usd.base.places.free_ways import Walkways
+from chord_usd.base.places.free_places import Walkways
 from chord_usd.base.places.room_space import take_swings
 from chord_usd.base.places.swept import swept_box
 from chord_usd.base.places.taken_space import Reason, TakenSpace

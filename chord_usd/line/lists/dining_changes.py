@@ -14,7 +14,7 @@ from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
-from chord_usd.base.places.free_boxes import free_boxes
+from chord_usd.base.places.free_places import free_boxes
 from chord_usd.base.places.wall_frames import WallFrame
 from chord_usd.base.scene.geometry import front_direction, to_world
 from chord_usd.base.scene.types import Box, Item

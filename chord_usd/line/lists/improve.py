@@ -6,9 +6,16 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from chord_usd.base.metrics.design.price import TIGHT, beyond_walls, quick_price, tight
+from chord_usd.base.metrics.design.price import (
+    TIGHT,
+    beyond_walls,
+    leaf_floors,
+    opens,
+    quick_price,
+    stand_before,
+    tight,
+)
 from chord_usd.base.metrics.design.shell import APART_M, TOUCH_M
-from chord_usd.base.metrics.design.shut_leaves import leaf_floors, opens, stand_before
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.overlap import overlaps_by_nature
 from chord_usd.base.scene.types import Item

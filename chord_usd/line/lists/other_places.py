@@ -15,9 +15,8 @@ from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.bedroom_rules import WARDROBE_RULES, bedside, wardrobes
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.living_rules import SINGLES
-from chord_usd.base.metrics.design.price import conflicts
+from chord_usd.base.metrics.design.price import before_leaves, conflicts
 from chord_usd.base.metrics.design.shell import TOUCH_M
-from chord_usd.base.metrics.design.shut_leaves import before_leaves
 from chord_usd.base.metrics.design.view import View, sleepers_of
 from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.types import WET_KINDS, Box, Item

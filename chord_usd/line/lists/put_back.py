@@ -16,7 +16,7 @@ from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import is_to_furnish
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.metrics.violations import room_faults
-from chord_usd.base.places.free_boxes import first_pieces
+from chord_usd.base.places.free_places import first_pieces
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph

@@ -71,8 +71,7 @@ class GraphReader:
     def read(self, layout: LayoutImage, plan: Plan | None = None) -> SceneGraph:
         """LayoutImage -> SceneGraph, arranged and with meshes; without a plan, rooms are read,
         too."""
-        from chord_usd.line.arrange.arrangement import Arrangement
-        from chord_usd.line.arrange.free_floor import Painted
+        from chord_usd.line.arrange.arrangement import Arrangement, Painted
         from chord_usd.line.arrange.rules import arrange
         from chord_usd.line.graph.colours import read_pixels
         from chord_usd.line.graph.extract import extract_graph

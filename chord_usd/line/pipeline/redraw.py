@@ -17,7 +17,7 @@ from chord_usd.line.pipeline.as_drawn import with_locked
 
 if TYPE_CHECKING:
     from chord_usd.base.metrics.design.view import View
-    from chord_usd.line.compose.kitchens import Kitchens
+    from chord_usd.line.compose.composer import Kitchens
     from chord_usd.line.lists.list_sampler import ListDrawer
     from chord_usd.line.lists.wishes import Asked, Piece
 
@@ -92,7 +92,7 @@ class Draw:
         kitchens = self._kitchens(listed, rooms, asked)
         if not self.composes:
             return listed
-        from chord_usd.line.compose.kitchens import displaced, with_kitchens
+        from chord_usd.line.compose.composer import displaced, with_kitchens
         from chord_usd.line.lists.put_back import put_back
 
         gone = {item.id for own in displaced(listed, kitchens).values() for item in own}
@@ -116,7 +116,7 @@ class Draw:
         """Units composed for the kitchens of a house, which holds what was placed in them."""
         if not self.composes:
             return {}
-        from chord_usd.line.compose.kitchens import composed_kitchens, with_kitchens
+        from chord_usd.line.compose.composer import composed_kitchens, with_kitchens
         from chord_usd.line.compose.search import EFFORT
 
         found = composed_kitchens(
@@ -151,7 +151,7 @@ class Draw:
         graph = self.holding(self._without_excluded(graph))
         if not self.composes:
             return graph
-        from chord_usd.line.compose.kitchens import composed_of, put_back
+        from chord_usd.line.compose.composer import composed_of, put_back
         from chord_usd.line.lists.wishes import Asked
 
         if listed is not None:

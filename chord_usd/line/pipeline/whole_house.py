@@ -28,10 +28,9 @@ from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph, StageFile
 from chord_usd.line.pipeline import steps
 from chord_usd.line.pipeline.as_drawn import parted, placed_pieces
-from chord_usd.line.pipeline.as_listed import as_listed
 from chord_usd.line.pipeline.loading import Models, load_models, with_networks
 from chord_usd.line.pipeline.redraw import Draw, arrange_drawn
-from chord_usd.line.pipeline.resample import Mended, Resampler, mend_rooms
+from chord_usd.line.pipeline.resample import Mended, Resampler, as_listed, mend_rooms
 
 if TYPE_CHECKING:
     from chord_usd.line.graph.tabletop import Tabletops

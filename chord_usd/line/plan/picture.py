@@ -11,7 +11,7 @@ import numpy as np
 
 from chord_usd.base.errors import PlanError, SceneError
 from chord_usd.base.raster.raster_files import TEXT_CHUNK, read_chunk
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.scene.types import ByteArray, PixelFrame
 

@@ -13,8 +13,7 @@ import numpy as np
 
 from chord_usd.base.scene.json_stairs import stair_to_json
 from chord_usd.base.scene.pose import Pose, posed
-from chord_usd.base.scene.stair_elements import Stair, StairForm, Turn
-from chord_usd.base.scene.storeys import STAIRS, StoreyPlan, storey_title
+from chord_usd.base.scene.storeys import STAIRS, Stair, StairForm, StoreyPlan, Turn, storey_title
 from chord_usd.base.scene.types import Box, Plan, RoomKind
 from chord_usd.workshop.data.floorplans.dice import Dice
 from chord_usd.workshop.data.floorplans.placed_openings import (

@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw
 
 from chord_usd.base.errors import ChordError, PlanError
 from chord_usd.base.raster.lettering import text_size, write_text
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.runtime.progress import Progress
 from chord_usd.base.scene.chord_json import read_plan
 from chord_usd.base.scene.types import ByteArray, Plan

@@ -11,7 +11,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from chord_usd.base.errors import PlanError
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.types import ByteArray, PixelFrame, Plan
 from chord_usd.base.scene.units import px_from_m

@@ -11,8 +11,8 @@ from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
 from chord_usd.base.scene.geometry import polygons_of
-from chord_usd.base.scene.stair_elements import StairForm
 from chord_usd.base.scene.stair_places import StairShape
+from chord_usd.base.scene.storeys import StairForm
 
 _STOREY = re.compile(r"(Storey_\d{1,2})-")
 _STEPS = "-STAIRS"

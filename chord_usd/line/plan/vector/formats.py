@@ -10,7 +10,7 @@ from pathlib import Path
 from shapely import affinity
 
 from chord_usd.base.errors import PlanError
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.scene.json_stairs import stair_to_json
 from chord_usd.base.scene.stair_places import StairShape, placed_stair, with_stairwell
 from chord_usd.base.scene.storeys import STAIRS, STOREY_M

@@ -16,8 +16,8 @@ from shapely.ops import unary_union
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.extras import needed_for
 from chord_usd.base.scene.geometry import polygons_of
-from chord_usd.base.scene.stair_elements import IFC_FORMS
 from chord_usd.base.scene.stair_places import StairShape
+from chord_usd.base.scene.storeys import IFC_FORMS
 from chord_usd.base.scene.types import FloatArray, OpeningKind
 from chord_usd.line.plan.vector.shapes import OpeningShape, RoomShape, VectorDrawing
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from chord_usd.base.errors import PlanError
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.runtime.extras import needed_for
 from chord_usd.base.scene.types import ByteArray, frozen_array
 from chord_usd.line.plan.paper_scale import M_PER_POINT, stated_ratio

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from chord_usd.base.errors import PlanError
-from chord_usd.base.runtime.decoders import decode
+from chord_usd.base.runtime.confined import decode
 from chord_usd.base.scene.types import ByteArray, frozen_array
 from chord_usd.line.plan.paper_scale import stated_ratio
 from chord_usd.line.plan.picture import SMALLEST_SIDE_PX

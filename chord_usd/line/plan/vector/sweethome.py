@@ -14,8 +14,8 @@ from shapely.geometry import LineString, Polygon
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.archives import Archive
 from chord_usd.base.scene.piece_names import piece_named
-from chord_usd.base.scene.stair_elements import StairForm
 from chord_usd.base.scene.stair_places import StairShape
+from chord_usd.base.scene.storeys import StairForm
 from chord_usd.base.scene.types import FloatArray, OpeningKind
 from chord_usd.base.scene.units import m_from_cm, wrap_deg
 from chord_usd.line.plan.vector.safe_xml import LARGEST_BYTES, local_name, parse_xml

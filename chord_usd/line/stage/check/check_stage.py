@@ -18,7 +18,7 @@ from chord_usd.base.metrics.complete import Homely, Misplaced, home_lacks
 from chord_usd.base.metrics.design import Design, design_of
 from chord_usd.base.metrics.design.standard import Kept, Standard, keeping
 from chord_usd.base.metrics.overlap import Overlap
-from chord_usd.base.places.free_boxes import is_passage
+from chord_usd.base.places.free_places import is_passage
 from chord_usd.base.runtime.stages import open_known, open_stage, reading
 from chord_usd.base.scene.types import Item, SceneGraph
 from chord_usd.line.stage.check.check_contact import Collision, collisions, unsupported
@@ -32,8 +32,7 @@ from chord_usd.line.stage.check.check_held import Held, soft, underfoot
 from chord_usd.line.stage.check.check_openables import Opens, openables
 from chord_usd.line.stage.check.check_rules import Finding, broken_rules
 from chord_usd.line.stage.check.check_scene import StageScene, read_storeys
-from chord_usd.line.stage.check.check_stairs import stair_faults
-from chord_usd.line.stage.read.stage_walks import stage_walks
+from chord_usd.line.stage.check.check_stairs import stage_walks, stair_faults
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 from shapely.geometry import LineString
 
-from chord_usd.base.scene.stair_elements import HEADROOM_M, STEEP
+from chord_usd.base.metrics.walk import Ascent, Walk, walk_storeys
+from chord_usd.base.scene.storeys import HEADROOM_M, STEEP
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.line.stage.check.check_scene import StageScene, StageStair
 
@@ -102,3 +103,17 @@ def _heights(triangles: FloatArray, at_m: tuple[float, float]) -> FloatArray:
 def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
     """Of the plan, (M,)."""
     return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+
+
+# How far one gets on foot in a house on its stage: for the certificate and for robots ------------
+
+
+def stage_walks(storeys: Sequence[StageScene], faulty: Collection[str] = ()) -> list[Walk]:
+    """On each storey, over the stairs that can be walked. faulty: paths of stairs that cannot."""
+    ascents = [
+        Ascent(index, tuple(stair.walk_m[0, :2].tolist()), tuple(stair.walk_m[-1, :2].tolist()))
+        for index, scene in enumerate(storeys[:-1])
+        for stair in scene.stairs
+        if stair.body.path not in faulty
+    ]  # fmt: skip
+    return walk_storeys([scene.entered_graph for scene in storeys], ascents)

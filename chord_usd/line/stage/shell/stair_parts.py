@@ -12,9 +12,9 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from chord_usd.base.scene.geometry import to_world
-from chord_usd.base.scene.stair_elements import Flight, Tread
 from chord_usd.base.scene.stair_forms import BuiltStair
 from chord_usd.base.scene.stair_spirals import POLE_M, RIM_M, SPIRAL_THICK_M, is_round
+from chord_usd.base.scene.storeys import Flight, Tread
 from chord_usd.base.scene.types import Box, FloatArray
 from chord_usd.base.scene.units import rotation_2d
 from chord_usd.line.stage.shell.mesh import Face, cuboid, moved, prism, standing

@@ -17,8 +17,8 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
 from chord_usd.base.scene.geometry import to_world
-from chord_usd.base.scene.stair_elements import Tread
 from chord_usd.base.scene.stair_forms import BuiltStair
+from chord_usd.base.scene.storeys import Tread
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.line.stage.shell.mesh import Face, cuboid, flat, prism
 

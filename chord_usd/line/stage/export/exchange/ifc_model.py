@@ -18,7 +18,7 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from chord_usd.base.scene.geometry import footprint_polygon, polygons_of, room_polygon
-from chord_usd.base.scene.stair_elements import CEILING_TO_FLOOR_M, IFC_FORMS
+from chord_usd.base.scene.storeys import CEILING_TO_FLOOR_M, IFC_FORMS
 from chord_usd.base.scene.tunnels import Tunnel
 from chord_usd.base.scene.types import ROOM_HEIGHT_M
 from chord_usd.base.scene.units import rotation_2d

@@ -18,10 +18,9 @@ from chord_usd.base.metrics.clear_floor import open_borders
 from chord_usd.base.metrics.walk import WALKER_RADIUS_M, Walk, entrance
 from chord_usd.base.scene.geometry import polygons_of, room_polygon
 from chord_usd.base.scene.types import BoolArray, FloatArray, Opening, Room
-from chord_usd.line.stage.check.check_stairs import stair_faults
+from chord_usd.line.stage.check.check_stairs import stage_walks, stair_faults
 from chord_usd.line.stage.export.exchange.built_house import House, houses_of
 from chord_usd.line.stage.export.exchange.occupancy import FREE, RESOLUTION_M, Grid, Window
-from chord_usd.line.stage.read.stage_walks import stage_walks
 
 _MOST_SPAWNS = 5
 _SPAWNS_APART_M = 0.75
