@@ -10,6 +10,7 @@ import threading
 import time
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ if not (find_spec("nicegui") and find_spec("playwright")):
 
 import uvicorn
 from PIL import Image
-from playwright.sync_api import Locator, Page, expect, sync_playwright
+from playwright.sync_api import Locator, Page, Request, expect, sync_playwright
 from pxr import Usd
 
 from chord_usd.base.runtime.verb_calls import Answer, Told
@@ -32,6 +33,7 @@ from chord_usd.base.runtime.warm_calls import WarmVerbs
 from chord_usd.base.scene.chord_json import write_plan
 from chord_usd.base.scene.types import ByteArray
 from chord_usd.faces.page.application import make_application
+from chord_usd.workshop.data.houses import random_plan
 from chord_usd.workshop.data.storey_houses import random_storeys
 
 PLAN = Path(__file__).parents[2] / "examples" / "studio.png"
@@ -298,3 +300,56 @@ def test_storeys_are_read_furnished_and_hidden(page: Page, address: str, tmp_pat
     settled(page, lambda now: differing(now, under_roof) < SAME_SHARE)
     page.get_by_role("button", name="Walk").click()
     expect(page.locator("#pad")).to_be_visible()
+
+
+def test_doubts_lead_to_their_places_and_a_click_puts_right(
+    page: Page, address: str, tmp_path: Path
+) -> None:
+    plan = random_plan(np.random.default_rng(1))
+    kinds = {room.kind: room.id for room in plan.rooms}
+    bath, kitchen = kinds["bathroom"], kinds["kitchen"]
+    doors = [opening.id for opening in plan.openings][:2]
+    warnings = [f"{bath}: a wall may be missing", f"it is uncertain what {', '.join(doors)} are"]
+    write_plan(replace(plan, extra={**plan.extra, "warnings": warnings}), tmp_path / "plan.json")
+    page.goto(address)
+    page.get_by_label("Furnish it at once").uncheck()
+    page.locator("#file").set_input_files([tmp_path / "plan.json"])
+    drawing = page.get_by_role("application")
+    whole = drawing.get_attribute("viewBox")
+    plans: list[Any] = []
+
+    def keep(call: Request) -> None:
+        if call.method == "PUT":
+            plans.append(call.post_data_json)
+
+    page.on("request", keep)
+
+    page.get_by_role("button", name=f"{bath}: a wall").click()
+    expect(page.locator("#doubts")).to_be_visible()
+    expect(page.locator(".floor.chosen")).to_have_attribute("data-key", f"r{bath}")
+    assert drawing.get_attribute("viewBox") != whole
+    for door in doors:
+        page.get_by_role("button", name="it is uncertain").click()
+        expect(page.locator(".opening.chosen")).to_have_attribute("data-key", f"o{door}")
+
+    page.get_by_role("button", name=f"{bath}: a wall").click()
+    page.get_by_role("button", name="The kitchen is here").click()
+    page.locator(f'[data-key="w{bath}/0"]').press("Enter")
+    page.get_by_label("Length, cm").fill("431")
+    page.get_by_label("Length, cm").press("Enter")
+    until(page, lambda: plans and room_of(plans[-1], bath)["roomKind"] == "kitchen")
+    assert room_of(plans[-1], kitchen)["roomKind"] == "bathroom"
+    until(page, lambda: abs(face_cm(room_of(plans[-1], bath)) - 431) < 1)
+    count = len(plans[-1]["plan"]["rooms"])
+    page.get_by_role("button", name="Delete the room").click()
+    until(page, lambda: len(plans[-1]["plan"]["rooms"]) == count - 1)
+
+
+def room_of(body: Any, room_id: str) -> dict[str, Any]:
+    return next(room for room in body["plan"]["rooms"] if room["roomId"] == room_id)
+
+
+def face_cm(room: dict[str, Any]) -> float:
+    """The length of a room's first face."""
+    (ax, ay), (bx, by) = room["wallPoints"][:2]
+    return float(np.hypot(bx - ax, by - ay))

@@ -95,7 +95,15 @@ def test_doubts_say_where_their_rooms_lie():
     first, second = doubts_placed(plan)
     assert first["at"][0] == pytest.approx([1.5, 1.5], abs=1.5)
     assert first["at"][1] == [6.36, 1.5]
+    assert first["ids"] == ["room0", "door1"]
     assert second["at"] == []
+
+
+def test_doubts_that_count_openings_say_where_they_lie():
+    """The overlay called them red, and drew them as sure."""
+    plan = told("it is uncertain what 7 openings (red on the overlay) are")
+    vague = replace(plan, openings=tuple(door(i, 0.2) for i in range(5)))
+    assert doubts_placed(vague)[0]["ids"] == [one.id for one in vague.openings]
 
 
 def unsure(rooms, openings):

@@ -22,6 +22,7 @@ from typing import Any
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime.files import write_atomic
 from chord_usd.base.scene.limits import MOST_STOREYS
+from chord_usd.base.scene.room_names import room_kind
 from chord_usd.faces.page.uploads import shown_name
 
 MOST_HOUSES = 500
@@ -157,11 +158,13 @@ class KeptHouses:
         return self.folder(house) / "plans" / f"{number:04d}.json"
 
     def plan(self, house: str, number: int) -> Record:
-        """A plan, as CHOrD JSON. Raises NotThereError."""
+        """A plan, as CHOrD JSON in which every room says its kind. Raises NotThereError."""
         path = self.plan_path(house, number)
         if not path.is_file():
             raise NotThereError("no such plan has been read")
         plan: Record = json.loads(path.read_text())
+        for room in plan["rooms"]:
+            room.setdefault("roomKind", room_kind(room["roomName"]))
         return plan
 
     def put_plan(self, house: str, plan: object, base: object, drawing: object = None) -> int:

@@ -30,9 +30,14 @@ from chord_usd.line.plan.placement import CHECK_SCALE
 from chord_usd.line.plan.regions import Regions
 from chord_usd.line.plan.text import Text
 from chord_usd.line.plan.verdict import (
+    COUNTED,
     CUT_OFF,
+    NO_DOOR,
     NO_ROOM,
     OF_SEVERAL,
+    OPEN_OUT,
+    UNSURE_RIMS,
+    UNSURE_WHAT,
     is_shaky,
     is_vague,
     reached_together,
@@ -159,7 +164,7 @@ def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:
         told.append("of no room is it known what it is for")
     ajar = [room.id for room in plan.rooms if OPEN in room.extra]
     if ajar:
-        told.append(f"{_listed(ajar, 'rooms')}: open to the outside; a wall may be missing")
+        told.append(f"{_listed(ajar, 'rooms')}: {OPEN_OUT}; a wall may be missing")
     told += [
         f"{room.id}: walls within it take up {room.extra[SURROUNDS]:g} m², which are no room"
         for room in plan.rooms
@@ -167,7 +172,7 @@ def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:
     ]
     shaky = [room.id for room in plan.rooms if is_shaky(room)]
     if shaky:
-        told.append(f"the outlines of {_listed(shaky, 'rooms')} are uncertain")
+        told.append(f"{UNSURE_RIMS} {_listed(shaky, 'rooms')} are uncertain")
     return told
 
 
@@ -175,7 +180,7 @@ def _listed(ids: Sequence[str], what: str) -> str:
     """Their names, or how many there are where nobody would read them all."""
     if len(ids) <= _MOST_LISTED:
         return ", ".join(ids)
-    return f"{len(ids)} {what} (red on the overlay)"
+    return f"{len(ids)} {what} {COUNTED}"
 
 
 def _doubts_of_openings(plan: Plan) -> list[str]:
@@ -183,15 +188,11 @@ def _doubts_of_openings(plan: Plan) -> list[str]:
     vague = [opening.id for opening in plan.openings if is_vague(opening)]
     if vague:
         is_one = len(vague) == 1
-        told.append(
-            f"it is uncertain what {_listed(vague, 'openings')} {'is' if is_one else 'are'}"
-        )
+        told.append(f"{UNSURE_WHAT} {_listed(vague, 'openings')} {'is' if is_one else 'are'}")
     groups = reached_together(plan)
     if len(groups) > 1:
         apart = [room_id for group in groups[1:] for room_id in group]
-        told.append(
-            f"no door leads from the other rooms to {_listed(apart, 'rooms')}; one may be missing"
-        )
+        told.append(f"{NO_DOOR} {_listed(apart, 'rooms')}; one may be missing")
     return told
 
 

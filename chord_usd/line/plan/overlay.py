@@ -32,7 +32,7 @@ from chord_usd.line.plan.vector import is_svg, is_vector
 from chord_usd.line.plan.vector.backdrop import backdrop
 from chord_usd.line.plan.vector.pdf import read_pages
 from chord_usd.line.plan.vector.svg_page import read_page
-from chord_usd.line.plan.verdict import SAID, VERDICT
+from chord_usd.line.plan.verdict import SAID, VERDICT, doubted_by
 
 _FADE = 0.6
 """How much the drawing fades towards white below what was read."""
@@ -167,10 +167,8 @@ def _opening_rgb(opening: Opening) -> Rgb:
 
 
 def _doubted(plan: Plan) -> set[str]:
-    """Ids of rooms and openings that a doubt names."""
-    told = " ".join(map(str, plan.extra.get(WARNINGS, ())))
-    words = set(re.findall(r"\w+", told))
-    return words & {*(room.id for room in plan.rooms), *(o.id for o in plan.openings)}
+    """Ids of rooms and openings that a doubt is about."""
+    return {one for text in plan.extra.get(WARNINGS, ()) for one in doubted_by(plan, str(text))}
 
 
 # Letters -----------------------------------------------------------------------------------------

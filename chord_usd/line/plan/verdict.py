@@ -7,13 +7,13 @@ Weights and bounds are set on 58 readings of real plans that were judged by eye 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, replace
 from typing import Any, Literal
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import hanging_together, room_polygon, seams
-from chord_usd.base.scene.types import Opening, Plan, Room
+from chord_usd.base.scene.types import OPEN, Opening, Plan, Room
 from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.placement import CHECK_SCALE, WARNINGS
 
@@ -30,7 +30,13 @@ SAID: dict[str, str] = {
 OF_SEVERAL = "what is printed there is of several rooms"
 NO_ROOM = "no room was found where"
 CUT_OFF = "the drawing seems to be cut off"
-"""Parts of doubts by which a verdict knows them."""
+OPEN_OUT = "open to the outside"
+UNSURE_RIMS = "the outlines of"
+UNSURE_WHAT = "it is uncertain what"
+NO_DOOR = "no door leads from the other rooms to"
+"""Parts of doubts by which a verdict, and the places of doubts, know them."""
+COUNTED = "(red on the overlay)"
+"""Part of a doubt that counts rooms or openings, which are too many to name."""
 
 _UNCERTAIN = 0.5
 _UNCERTAIN_ROOM = 0.6
@@ -47,7 +53,7 @@ _MOST_UNKNOWN = 0.34
 """Share of rooms without a kind in a reading that is right."""
 _WORD = re.compile(r"\w+")
 _NOT_DOUBTFUL = (
-    "it is uncertain what", "the sheet shows", "the plan shows", "the file has", "the file holds",
+    UNSURE_WHAT, "the sheet shows", "the plan shows", "the file has", "the file holds",
 )  # fmt: skip
 """Begin warnings that the sums count, or that say what was read..."""
 _SURE_PARTS = ("is drawn", "is named a")
@@ -139,13 +145,28 @@ def verdict_of(plan: Plan) -> Verdict:
 
 
 def doubts_placed(plan: Plan) -> list[dict[str, Any]]:
-    """The plan's warnings, each with where the rooms and openings lie that it names, metres."""
+    """The plan's warnings, each with the ids of the rooms and openings that it is about, and where
+    these lie, metres."""
     at: dict[str, Sequence[float]] = {o.id: o.box.center_m[:2] for o in plan.openings}
     for room in plan.rooms:
         inside = room_polygon(room).representative_point()
         at[room.id] = (inside.x, inside.y)
-    return [{"text": text, "at": [_rounded(at[word]) for word in _WORD.findall(text) if word in at]}
-            for text in _told(plan)]  # fmt: skip
+    about = [(text, doubted_by(plan, text)) for text in _told(plan)]
+    return [
+        {"text": text, "ids": ids, "at": [_rounded(at[one]) for one in ids]} for text, ids in about
+    ]
+
+
+def doubted_by(plan: Plan, text: str) -> list[str]:
+    """Ids of the rooms and openings that a doubt is about, whether it names or counts them."""
+    known = {*(room.id for room in plan.rooms), *(opening.id for opening in plan.openings)}
+    named = [word for word in _WORD.findall(text) if word in known]
+    if COUNTED not in text:
+        return named
+    for part, meant in _MEANT.items():
+        if part in text:
+            return meant(plan)
+    return named
 
 
 def _rounded(spot: Sequence[float]) -> list[float]:
@@ -178,3 +199,12 @@ def reached_together(plan: Plan) -> list[list[str]]:
             pairs.append((one, other))
     groups = [[ids[index] for index in group] for group in hanging_together(len(ids), pairs)]
     return sorted(groups, key=lambda group: (-len(group), group))
+
+
+_MEANT: dict[str, Callable[[Plan], list[str]]] = {
+    OPEN_OUT: lambda plan: [room.id for room in plan.rooms if OPEN in room.extra],
+    UNSURE_RIMS: lambda plan: [room.id for room in plan.rooms if is_shaky(room)],
+    UNSURE_WHAT: lambda plan: [one.id for one in plan.openings if is_vague(one)],
+    NO_DOOR: lambda plan: [one for group in reached_together(plan)[1:] for one in group],
+}
+"""Which rooms and openings doubts count, by a part of their words."""

@@ -4,6 +4,9 @@ import { areaM2, edgeOf, kindOf, middleOf, moveCorner, moveOpening, moveWall, ro
 
 const MARGIN_CM = 60;
 const STEP_CM = 5;
+/** What lies round a place is seen so far, and a room with so much beside it. */
+const AROUND_CM = 500;
+const AROUND_SHARE = 1.6;
 
 export class PlanDrawing {
   /**
@@ -40,6 +43,18 @@ export class PlanDrawing {
     const [xs, ys] = [points.map(([x]) => x), points.map(([, y]) => -y)];
     const [left, top] = [Math.min(...xs) - MARGIN_CM, Math.min(...ys) - MARGIN_CM];
     this.box = [left, top, Math.max(...xs) + MARGIN_CM - left, Math.max(...ys) + MARGIN_CM - top];
+    this.node.setAttribute("viewBox", this.box.join(" "));
+  }
+
+  /** Bring a room or an opening into the middle. */
+  goTo(item) {
+    const points = item.wallPoints ?? [item.pos];
+    const sides = [points.map(([x]) => x), points.map(([, y]) => -y)].map((places) => {
+      const [low, high] = [Math.min(...places), Math.max(...places)];
+      const long = Math.max((high - low) * AROUND_SHARE, AROUND_CM);
+      return [(low + high - long) / 2, long];
+    });
+    this.box = [sides[0][0], sides[1][0], sides[0][1], sides[1][1]];
     this.node.setAttribute("viewBox", this.box.join(" "));
   }
 

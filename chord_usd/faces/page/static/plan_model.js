@@ -17,7 +17,7 @@ export const ROOM_KINDS = [
 export const OPENING_KINDS = Object.keys(SIZES);
 
 export const roomsOf = (plan) => plan.rooms.filter((room) => room.roomType !== 0);
-export const kindOf = (room) => room.roomKind ?? room.roomName;
+export const kindOf = (room) => room.roomKind;
 
 export const copy = (plan) => structuredClone(plan);
 
@@ -96,6 +96,13 @@ export function moveWall(plan, room, index, by) {
     opening.pos[0] += shift[0];
     opening.pos[1] += shift[1];
   }
+}
+
+/** Make a face so many cm long, by moving the wall at its end. */
+export function setLength(plan, room, index, cm) {
+  const { along, span } = edgeOf(room, index);
+  const by = along.map((x) => x * (cm - span));
+  moveWall(plan, room, (index + 1) % room.wallPoints.length, by);
 }
 
 /** Move a corner to a place, in line with its neighbours where it nearly is. */
@@ -254,6 +261,19 @@ function clipped(points, edge, at, side) {
   return kept;
 }
 
+/** Give a room another kind; a name that says something else stays. */
+export function setKind(room, kind) {
+  if (room.roomName === kindOf(room)) room.roomName = kind;
+  room.roomKind = kind;
+}
+
+/** Make a room the kitchen; the room that was it gets the kind of this one. */
+export function moveKitchen(plan, room) {
+  const kind = kindOf(room);
+  for (const other of roomsOf(plan)) if (kindOf(other) === "kitchen") setKind(other, kind);
+  setKind(room, "kitchen");
+}
+
 /** Take a room away, and the openings that led to nothing else. */
 export function removeRoom(plan, room) {
   plan.rooms = plan.rooms.filter((one) => one !== room);
@@ -329,9 +349,22 @@ function distance(points, index, place) {
   return length(sub(place, [from[0] + way[0] * share, from[1] + way[1] * share]));
 }
 
-/** Ids that the doubts of a reading name, or of which it is not sure. */
+/** What a reading is unsure of: {text, ids}. */
+export const doubtsOf = (reading) =>
+  reading?.doubts ?? (reading?.warnings ?? []).map((text) => ({ text, ids: [] }));
+
+/** Ids that the doubts of a reading are about, or of which it is not sure. */
 export function doubtedIds(reading) {
-  const told = new Set((reading?.warnings ?? []).join(" ").match(/[\p{L}\p{N}_]+/gu) ?? []);
-  for (const [id, sure] of Object.entries(reading?.confidence ?? {})) if (sure < 0.5) told.add(id);
-  return told;
+  const ids = new Set(doubtsOf(reading).flatMap((doubt) => doubt.ids));
+  for (const [id, sure] of Object.entries(reading?.confidence ?? {})) if (sure < 0.5) ids.add(id);
+  return ids;
+}
+
+/** The rooms and openings that a doubt is about and that the plan has: {type, item}. */
+export function placesOf(plan, { ids }) {
+  return ids.flatMap((id) => {
+    const room = roomsOf(plan).find((one) => one.roomId === id);
+    const item = room ?? plan.windowsDoors.find((one) => one.id === id);
+    return item ? [{ type: room ? "room" : "opening", item }] : [];
+  });
 }

@@ -8,6 +8,12 @@ import * as model from "./plan_model.js";
 const SAVE_AFTER_MS = 500;
 const MOST_UNDONE = 100;
 
+const VERDICTS = {
+  right: "The reading is probably right.",
+  look: "Look at what is red.",
+  wrong: "The reading is probably wrong.",
+};
+
 const HINTS = {
   scale: "Click the two ends of something whose length you know.",
   door: "Click the wall where the door is.",
@@ -31,6 +37,7 @@ class PlanTab {
     this.number = 0;
     this.done = [];
     this.undone = [];
+    this.visits = {};
     this.sendInTurn = oneAtATime(() => this.send());
     this.picture = new Image();
     this.area = el("div", { class: "stagearea" });
@@ -284,7 +291,8 @@ class PlanTab {
     const { type, item, index } = this.choice;
     if (type === "opening") return this.openingForm(item);
     const corner = type === "corner" && button("Remove the corner", () => this.edited(this.changedItem((room) => model.removeCorner(room, index))));
-    const wall = type === "wall" && button("Add a corner", () => this.edited(this.changedItem((room) => model.addCorner(room, index))));
+    const wall = type === "wall" && el("div", { class: "row" }, this.lengthField(item, index),
+      button("Add a corner", () => this.edited(this.changedItem((room) => model.addCorner(room, index)))));
     return el("section", { class: "card stack" }, el("h2", {}, `Room: ${item.roomName}`), this.roomForm(item), corner || null, wall || null,
       button("Delete the room", () => this.remove()));
   }
@@ -304,12 +312,23 @@ class PlanTab {
       }));
     });
     const kind = choice(model.ROOM_KINDS, model.kindOf(room), (value) => {
-      this.edited(this.changedItem((one) => {
-        if (one.roomName === model.kindOf(one)) one.roomName = value;
-        one.roomKind = value;
-      }));
+      this.edited(this.changedItem((one) => model.setKind(one, value)));
     });
-    return el("div", { class: "row" }, field("Name", name), field("Kind", kind));
+    const at = this.plan.rooms.indexOf(room);
+    const cook = model.kindOf(room) !== "kitchen" && button("The kitchen is here", () =>
+      this.edited(this.changed((plan) => model.moveKitchen(plan, plan.rooms[at]))));
+    return el("div", { class: "row" }, field("Name", name), field("Kind", kind), cook || "");
+  }
+
+  lengthField(room, index) {
+    const long = model.edgeOf(room, index).span;
+    const at = this.plan.rooms.indexOf(room);
+    const input = el("input", { type: "number", min: 30, max: 10000, step: 1, value: Math.round(long) });
+    input.addEventListener("change", () => {
+      const cm = Math.min(Math.max(Number(input.value) || long, 30), 10000);
+      this.edited(this.changed((plan) => model.setLength(plan, plan.rooms[at], index, cm)));
+    });
+    return field("Length, cm", input);
   }
 
   openingForm(opening) {
@@ -344,9 +363,28 @@ class PlanTab {
   }
 
   doubts() {
-    const told = this.app.house.reading?.warnings ?? [];
-    if (!told.length) return null;
-    return el("section", {}, el("h2", {}, "Doubts"), el("ul", {}, ...told.map((one) => el("li", { class: "wrong" }, one))));
+    const { reading } = this.app.house;
+    const told = model.doubtsOf(reading);
+    const verdict = VERDICTS[reading?.verdict];
+    if (!told.length && !verdict) return null;
+    return el("section", { id: "doubts" }, el("h2", {}, "Doubts"), verdict ? el("p", {}, verdict) : "",
+      el("ul", { class: "list" }, ...told.map((doubt) => el("li", { class: "wrong" }, this.doubt(doubt)))));
+  }
+
+  /** A doubt, which leads to each of its places in turn, or to what puts it right. */
+  doubt({ text, ids }) {
+    if (text.includes("--scale") && this.frame) return button(text, () => this.use("scale"));
+    const places = model.placesOf(this.plan, { ids });
+    if (!places.length) return text;
+    const at = this.visits[text];
+    const which = places.length > 1 && at !== undefined ? ` (${(at % places.length) + 1} of ${places.length})` : "";
+    return button(text + which, () => {
+      this.visits[text] = (at ?? -1) + 1;
+      const place = places[this.visits[text] % places.length];
+      this.drawing.goTo(place.item);
+      this.choose(place);
+      this.side.querySelector(`[data-doubt="${CSS.escape(text)}"]`)?.focus();
+    }, { "data-doubt": text });
   }
 
   roomList() {
