@@ -146,9 +146,9 @@ def graph_paper() -> np.ndarray:
 
 
 NO_PLANS = {
-    "a page of text": text_page, "a map": town_map, "a circuit diagram": circuit,
-    "an elevation": elevation, "a section": section, "a garden": garden,
-    "a seating chart": seating, "a room in 3-D": room_in_3d, "graph paper": graph_paper,
+    "a page of text": text_page, "a map": town_map, "an elevation": elevation,
+    "a circuit diagram": circuit, "a garden": garden, "a seating chart": seating,
+    "a room in 3-D": room_in_3d, "a section": section, "graph paper": graph_paper,
 }  # fmt: skip
 
 

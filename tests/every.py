@@ -7,8 +7,21 @@ from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import Any
 
+import pytest
+
 MOST_SHOWN = 20
 """Failures that a message describes; it counts the others."""
+
+
+def later(*cases: Any) -> list[Any]:
+    """Cases for pytest.mark.parametrize that `make acceptance` runs and `make test` does not.
+
+    A case is the value of the parameter, or a tuple of the values of several.
+    """
+    return [
+        pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=pytest.mark.acceptance)
+        for case in cases
+    ]
 
 
 def for_every(

@@ -38,6 +38,7 @@ def test_features_are_of_the_picture_and_of_any_size(weights: Path) -> None:
     assert encoder.features([]).shape == (0, 2048)
 
 
+@pytest.mark.acceptance
 def test_figures_carry_its_name(weights: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*COMMAND, "--inception", str(weights), "--json"]) == 0
     house = json.loads(capsys.readouterr().out)["realism"]["house"]

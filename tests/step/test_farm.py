@@ -93,6 +93,7 @@ def due(bundle: Path) -> list[dict[str, object]]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
+@pytest.mark.acceptance
 def test_the_slurm_scripts_run_the_tasks_and_the_merge(bundle: Path) -> None:
     """As the elements of an array would, one after the other, through openjd."""
     pytest.importorskip("openjd.sessions", reason="the extra farm is not installed")

@@ -23,8 +23,7 @@ from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, SceneGrap
 from chord_usd.base.scene.units import rotation_2d
 from chord_usd.workshop.data.furnish import furnish
 from chord_usd.workshop.data.houses import random_plan
-
-HOUSES = 250
+from tests.every import later
 
 AT_A_WALL = frozenset(
     ("cabinet", "bed_background", "bedside_table", "tv_cabinet", "sofa_background",
@@ -39,10 +38,10 @@ def _is_sound(plan: Plan) -> bool:
     return all(room_polygon(room).is_valid for room in plan.rooms)
 
 
-@pytest.fixture(scope="module")
-def houses() -> list[SceneGraph]:
+@pytest.fixture(scope="module", params=[125, *later(500)])
+def houses(request: pytest.FixtureRequest) -> list[SceneGraph]:
     rng = np.random.default_rng(20)
-    plans = (random_plan(rng) for _ in range(HOUSES))
+    plans = (random_plan(rng) for _ in range(request.param))
     return [furnish(plan, rng) for plan in plans if _is_sound(plan)]
 
 
@@ -153,7 +152,7 @@ def test_kitchen_runs_have_no_gaps(houses: list[SceneGraph]) -> None:
             for block in shapely.get_parts(shapely.unary_union(shapes)):
                 runs += 1
                 whole += any(block.intersects(shape) for shape in centres)
-    assert runs > HOUSES / 3
+    assert runs > len(houses) / 3
     assert whole >= 0.98 * runs
 
 

@@ -51,6 +51,7 @@ from chord_usd.workshop.training.detector_data import (
     turned,
 )
 from chord_usd.workshop.training.yolo import Proposing, build_model, load_weights, save_model
+from tests.every import later
 
 KINDS: tuple[Kind, ...] = ("items", "rooms")
 
@@ -199,7 +200,7 @@ def test_spoilt_samples_are_reproducible() -> None:
     np.testing.assert_array_equal(first.boxes, second.boxes)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [KINDS[0], *later(*KINDS[1:])])
 def test_training_leaves_a_checkpoint_and_goes_on_from_it(kind: Kind, tmp_path: Path) -> None:
     config = DetectorTraining(minutes=0.01, batch=2, warmup_steps=1)
     before = train_detector(kind, tmp_path, config)

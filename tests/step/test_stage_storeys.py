@@ -18,6 +18,7 @@ from chord_usd.line.stage.author.stage_levels import levels_of
 from chord_usd.line.stage.check.check_scene import read_scene
 from chord_usd.line.stage.check.check_stage import check_stage
 from chord_usd.workshop.data.storey_houses import random_storeys
+from tests.every import later
 from tests.stair_houses import cornered, terraced
 
 
@@ -127,12 +128,13 @@ SPOILT = (
 )
 
 
+@pytest.mark.parametrize("way", [None, *later(*range(len(SPOILT)))])
 def test_a_broken_stair_is_told_and_leads_nowhere(
-    request: pytest.FixtureRequest, house: Path
+    request: pytest.FixtureRequest, house: Path, way: int | None
 ) -> None:
-    """One way of breaking it a house: each form is broken, and each way met more than once."""
+    """None: a way for each house, so that each form is broken, and each way met more than once."""
     form = list(HOUSES).index(request.node.callspec.params["house"])
-    spoil, told = SPOILT[form % len(SPOILT)]
+    spoil, told = SPOILT[form % len(SPOILT) if way is None else way]
     layer = Sdf.Layer.CreateNew(str(house.with_name("spoilt.usda")))
     layer.subLayerPaths.append(f"./{house.name}")
     layer.Save()

@@ -267,6 +267,7 @@ torch.save((weights.network.weight.detach(), batch, ended), sys.argv[1])
 """
 
 
+@pytest.mark.acceptance
 def test_two_processes_learn_as_one_from_different_data(tmp_path: Path) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
