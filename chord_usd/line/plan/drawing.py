@@ -50,6 +50,7 @@ from chord_usd.line.plan.floor_parts import part_floors
 from chord_usd.line.plan.home_graph import dwellings_of, work_names
 from chord_usd.line.plan.home_uses import Floor, Uses, named_pieces, speaking, uses_of_home
 from chord_usd.line.plan.labels import named_by_texts, numbered, seen_as, texts_in, uses_named
+from chord_usd.line.plan.lifts import without_lifts
 from chord_usd.line.plan.parts import parts_of
 from chord_usd.line.plan.placement import DRAWING, WARNINGS, placement
 from chord_usd.line.plan.printed import STATED, Estimate, estimates
@@ -225,6 +226,7 @@ def _read_part(page: _Page) -> _Found:
     page = replace(page, is_home=page.is_home and not told)
     found = found_on(page.sheet, scale.m_per_px)
     reading = _without_pieces(reading, page, scale.m_per_px, found)
+    reading, shown = _without_lifts(reading, page, scale.m_per_px)
     fitted = _fitted(reading, page, scale) if scale.is_printed else None
     if fitted is not None:
         reading, scale = reading.with_fit(fitted), replace(scale, m_per_px=fitted.m_per_px)
@@ -239,6 +241,7 @@ def _read_part(page: _Page) -> _Found:
     drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
     rooms = named_rooms(plan, page.texts, frame)
     told += [
+        *shown,
         *scale.warnings(),
         *(doubts_of_sizes(plan, fitted, frame) if fitted is not None else ()),
         *doubts(plan, reading.regions, rooms, frame),
@@ -309,6 +312,14 @@ def _without_pieces(
     pieces = pieces_within(found, reading, page.sheet, frame)
     whole = without_pieces(reading, _are_named(reading, page), pieces, frame)
     return reading if whole is reading else _take_part(whole, page.part)[0]
+
+
+def _without_lifts(
+    reading: SeenReading, page: _Page, m_per_px: float
+) -> tuple[SeenReading, list[str]]:
+    rooms = _named_rooms(reading, page, reading.frame)
+    texts = [texts_in(room, page.texts, reading.frame) for room in rooms]
+    return without_lifts(reading, rooms, texts, page.ink, m_per_px)
 
 
 def _are_named(reading: SeenReading, page: _Page) -> list[bool]:
