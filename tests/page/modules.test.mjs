@@ -76,7 +76,8 @@ test("the middle of a room is within it, in an L too", () => {
 });
 
 test("doubts name ids; so does little confidence", () => {
-  const reading = { warnings: ["room3 may be a study"], confidence: { door1: 0.4, door2: 0.9 } };
+  const doubts = [{ text: "room3 may be a study", ids: ["room3"] }];
+  const reading = { doubts, confidence: { door1: 0.4, door2: 0.9 } };
   const told = model.doubtedIds(reading);
   assert.deepEqual(["room3", "door1", "door2"].map((id) => told.has(id)), [true, true, false]);
   assert.equal(model.doubtedIds(null).size, 0);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,7 +22,9 @@ from chord_usd.library.kit.moves import Hinge
 from chord_usd.line.arrange.arrangement import Arrangement
 from chord_usd.line.arrange.leaves_free import free_leaves
 from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.check.check_openables import Opens
 from chord_usd.line.stage.check.check_stage import Report, check_stage
+from chord_usd.line.stage.check.pulled import Pulled, contradictions, pull_joints
 from chord_usd.line.stage.export.export_stage import export_stage
 
 _AT_SIDE_M = 0.05
@@ -73,6 +76,28 @@ def test_a_piece_before_a_door_stops_it_and_the_report_says_where(tmp_path, data
     assert wide.opens
     assert not wide.shut
     assert {one.free_share for one in wide.opens} == {1.0}
+
+
+def test_force_agrees_with_swept_volumes(tmp_path, database, capsys):
+    """MuJoCo pulls the leaves of a wardrobe before which a heavy chest stands, or nothing."""
+    free = wardrobe(database, 2.5, 3.99)
+    front = free.box.center_m[1] - free.box.size_m[1] / 2
+    heavy = replace(chest((2.5, front - 0.3)), category="cabinet")
+    for name, items in (("shut", [heavy]), ("free", [])):
+        path = author_stage(house(free, *items), tmp_path / f"{name}.usda", seed=0).path
+        leaves = check_stage(path).opens
+        pulled = {one.path: one for one in pull_joints(path)}
+        assert {leaf.path for leaf in leaves} <= pulled.keys()
+        assert contradictions(leaves, list(pulled.values())) == []
+        assert any(pulled[leaf.path].is_stuck for leaf in leaves) == (name == "shut")
+    assert main(["check", str(tmp_path / "shut.usda"), "--open"]) == NOT_HELD
+    printed = capsys.readouterr().out
+    assert "by force" in printed
+    assert re.search(r"Cabinet_\d/Door_\d stops at", printed)
+    free_leaf = [Opens(leaf.path, 1.0, "all") for leaf in leaves]
+    assert contradictions(free_leaf, [Pulled(free_leaf[0].path, 0.2)]) == [
+        f"{free_leaf[0].path} opens all by its swept volume, 20% by force"
+    ]
 
 
 def test_a_stage_in_one_piece_is_judged_as_a_jointed_one(tmp_path, database):

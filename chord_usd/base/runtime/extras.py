@@ -19,6 +19,7 @@ EXTRAS = {
     "ezdxf": "dxf",
     "ifcopenshell": "ifc",
     "mcp": "mcp",
+    "mujoco": "sim",
     "nicegui": "web",
     "pypdfium2": "pdf",
     "pyarrow": "parquet",

@@ -137,6 +137,15 @@ class Kept(TypedDict):
     not_checked: list[Clause]
 
 
+class Pulled(TypedDict):
+    """How far a joint opens by force."""
+
+    path: str
+    """Of the body that it moves, in the variant `jointed`."""
+    share: float
+    """Of its range, up to 1."""
+
+
 class Certificate(TypedDict):
     """check."""
 
@@ -166,4 +175,6 @@ class Certificate(TypedDict):
     unreachable: list[Unreachable]
     opens: list[Opens]
     standards: list[Kept]
+    pulled: NotRequired[list[Pulled]]
+    """With --open."""
     faults: list[str]

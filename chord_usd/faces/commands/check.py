@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +18,7 @@ from chord_usd.faces.commands.paths import output_file
 if TYPE_CHECKING:
     from chord_usd.base.metrics.design import Design
     from chord_usd.line.stage.check.check_stage import Report
+    from chord_usd.line.stage.check.pulled import Pulled
 
 OUTLIERS_TOLD = 3
 """How many of the least expected items the report names."""
@@ -29,6 +32,10 @@ def add(verbs: Verbs) -> None:
         "--preview", type=output_file, metavar="PNG",
         help="also draw the house from above with all that was found",
     )  # fmt: skip
+    parser.add_argument(
+        "--open", action="store_true",
+        help="also pull every door, drawer and flap by force, alone, in MuJoCo (30 N m or 80 N)",
+    )  # fmt: skip
     add_options(parser, "standard")
 
 
@@ -38,12 +45,22 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.line.stage.check.check_stage import certificate, check_stage
 
     standards = standards_in(options.standard or "")
-    with stopwatch(options).step("check"):
+    watch = stopwatch(options)
+    with watch.step("check"):
         report = check_stage(existing_file(options.stage), standards=standards)
         if options.preview:
             draw_report(options.stage, report, options.preview)
     data = certificate(report)
-    return Outcome(_text(options.stage, report, data), data, holds(data))
+    text = _text(options.stage, report, data)
+    if not options.open:
+        return Outcome(text, data, holds(data))
+    with watch.step("open"):
+        from chord_usd.line.stage.check.pulled import pull_joints
+
+        pulled = pull_joints(options.stage)
+    data["pulled"] = [asdict(pull) for pull in pulled]
+    text = "\n".join([text, *_by_force(report, pulled)])
+    return Outcome(text, data, holds(data) and not any(pull.is_stuck for pull in pulled))
 
 
 def _text(stage: Path, report: Report, data: dict[str, Any]) -> str:
@@ -83,6 +100,19 @@ def _opens(report: Report) -> list[str]:
     free = len(report.opens) - len(report.shut)
     leaves = counted(len(report.opens), "leaf", "leaves")
     return [f"  {free} of {leaves} of furniture (doors, drawers, flaps) open"]
+
+
+def _by_force(report: Report, pulled: Sequence[Pulled]) -> list[str]:
+    """How many joints open by force, the others, and where the certificate says otherwise."""
+    from chord_usd.line.stage.check.pulled import OPEN_SHARE, contradictions
+
+    shut = [pull for pull in pulled if not pull.is_open]
+    count = counted(len(pulled), "joint")
+    return [
+        f"  by force {len(pulled) - len(shut)} of {count} open to {OPEN_SHARE:.0%} of their range",
+        *(f"    {pull.path} stops at {pull.share:.0%}" for pull in shut),
+        *(f"    {line}" for line in contradictions(report.opens, pulled)),
+    ]
 
 
 def _outliers(ood: list[dict[str, Any]]) -> list[str]:
