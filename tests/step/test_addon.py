@@ -308,6 +308,7 @@ def test_a_house_is_not_written_while_another_has_it(failures: Told) -> None:
     assert failures["folders"] == ["plän 1 2", "plän 1 3"]
 
 
+@pytest.mark.acceptance
 def test_two_blenders_do_not_work_on_one_house(together: tuple[Told, Told]) -> None:
     first, second = together
     assert first["open"] == first["save"] == ""
@@ -316,6 +317,7 @@ def test_two_blenders_do_not_work_on_one_house(together: tuple[Told, Told]) -> N
     assert second["open"] == "", "the first has ended"
 
 
+@pytest.mark.acceptance
 def test_a_copy_does_not_count_as_its_original(artist: Told) -> None:
     assert artist["open"] == ""
     assert artist["copied"] == []
@@ -324,17 +326,20 @@ def test_a_copy_does_not_count_as_its_original(artist: Told) -> None:
     assert artist["copy_shows"], "also when the house is brought in again"
 
 
+@pytest.mark.acceptance
 def test_edits_are_found_wherever_the_house_is_put(artist: Told) -> None:
     assert artist["elsewhere"] == [BED, CABINET]
     assert artist["solo"] == ["Bedroom_0"]
 
 
+@pytest.mark.acceptance
 def test_a_piece_is_where_it_is_seen_whatever_it_hangs_on(artist: Told) -> None:
     assert artist["hung"] == [BED, CABINET]
     assert artist["pulled"] == [BED, TABLE, CABINET]
     assert np.allclose(artist["again"][1], artist["table"], atol=1e-5)
 
 
+@pytest.mark.acceptance
 def test_a_house_goes_as_a_whole_and_takes_nothing_along(artist: Told) -> None:
     assert artist["reopen"] == ""
     assert artist["after"] == artist["objects"]
@@ -344,11 +349,13 @@ def test_a_house_goes_as_a_whole_and_takes_nothing_along(artist: Told) -> None:
     assert artist["collections"] == [True, True]
 
 
+@pytest.mark.acceptance
 def test_a_layer_of_somebody_else_is_not_replaced(artist: Told) -> None:
     assert "was not written by this panel" in artist["foreign"]
     assert artist["foreign_kept"] == "#usda 1.0"
 
 
+@pytest.mark.acceptance
 def test_one_step_takes_a_new_house_back(undo: Told) -> None:
     assert undo["first"] == undo["second"] == ""
     assert undo["none"] == ["", 0, False]
@@ -356,6 +363,7 @@ def test_one_step_takes_a_new_house_back(undo: Told) -> None:
     assert undo["first_again"]
 
 
+@pytest.mark.acceptance
 def test_a_second_house_of_a_plan_has_its_own_folder(undo: Told) -> None:
     assert undo["folders"] == ["two_bedrooms", "two_bedrooms 2"]
     assert undo["first_edits"] == [BED, TABLE], "also those that were not saved yet"
@@ -363,6 +371,7 @@ def test_a_second_house_of_a_plan_has_its_own_folder(undo: Told) -> None:
     assert undo["second_edits"] == []
 
 
+@pytest.mark.acceptance
 def test_a_room_that_is_taken_back_is_taken_back_on_disk(undo: Told) -> None:
     assert undo["regenerated"] == undo["saved_back"] == ""
     assert undo["furnished_anew"]
@@ -371,6 +380,7 @@ def test_a_room_that_is_taken_back_is_taken_back_on_disk(undo: Told) -> None:
     assert undo["edits_back"] == [BED, CABINET]
 
 
+@pytest.mark.acceptance
 def test_undo_while_a_job_runs_takes_no_saved_edits_back(undo: Told) -> None:
     assert undo["saved_before"] == undo["meanwhile"] == ""
     assert undo["shows_another"]
@@ -378,6 +388,7 @@ def test_undo_while_a_job_runs_takes_no_saved_edits_back(undo: Told) -> None:
     assert np.allclose(saved, stands, atol=1e-5)
 
 
+@pytest.mark.acceptance
 def test_a_house_that_was_changed_outside_is_not_mixed(undo: Told) -> None:
     for said in undo["changed_outside"]:
         assert "changed outside" in said

@@ -23,6 +23,8 @@ TABLE, BOWL, PICTURE = (
     for name in ("Furniture/BedsideTable_0", "Dressing/Bowl_0", "Dressing/Picture_0")
 )
 
+pytestmark = pytest.mark.acceptance
+
 Told = dict[str, Any]
 
 

@@ -46,6 +46,7 @@ def code_in(document: str) -> str:
     return str(code)
 
 
+@pytest.mark.acceptance
 def test_what_the_documents_show_runs(
     quick: None,
     tmp_path: Path,

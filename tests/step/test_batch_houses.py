@@ -44,6 +44,7 @@ def test_a_house_is_whole_and_its_folder_can_be_moved(folder: Path, tmp_path: Pa
     assert str(Path.home()) not in scene
 
 
+@pytest.mark.acceptance
 def test_only_what_is_damaged_is_made_again(run_cli, folder: Path) -> None:
     house = folder / "studio-0"
     before = times(house)

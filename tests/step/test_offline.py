@@ -91,8 +91,8 @@ SLOW: dict[str, str] = {
 }
 """They import nothing that the others do not, and take minutes."""
 
-OF_EACH_COMMIT = ("layout", "plan read", "render", "export", "mcp", "serve")
-"""A verb of each kind: networks, OCR, Blender, files of others, servers."""
+OF_EACH_COMMIT = ("layout", "plan read", "export", "mcp", "serve")
+"""A verb of each kind: networks, OCR, files of others, servers."""
 
 ALL = {**QUICK, **SLOW}
 

@@ -243,6 +243,7 @@ def test_what_is_damaged_or_of_another_kind_is_not_finished(pictures, tmp_path, 
     assert not are_finished(tmp_path, "Bedroom_0", made)
 
 
+@pytest.mark.acceptance
 def test_two_runs_into_one_folder_leave_whole_pictures(house, tmp_path):
     options = replace(TINY, cameras=("Bedroom_0",))
     with ThreadPoolExecutor() as pool:

@@ -244,6 +244,11 @@ class TestNext:
             command = json.loads(capsys.readouterr().out)["command"]
             build_parser(command[1:]).parse_args(command[1:])
 
+    def test_it_replaces_no_process_that_does_more(self, tmp_path: Path, capsys) -> None:
+        assert main(["train", "next", "-o", str(tmp_path / "runs"), "--minutes", "0.001"]) == 2
+        assert "train next: would replace the process that calls it" in capsys.readouterr().err
+        assert not list(tmp_path.iterdir())
+
     def test_a_wrong_table_is_one_line(self, tmp_path: Path) -> None:
         (tmp_path / "targets.tsv").write_text("network\tvalue\nlists\t2\n")
         with pytest.raises(CheckpointError, match="targets"):
