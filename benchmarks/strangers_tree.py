@@ -50,9 +50,8 @@ QUICK: dict[str, tuple[str, ...]] = {
     "render": ("--samples", "1", "--resolution", "32x32", "--camera", "Top"),
     "dataset synth": ("--rooms", "3"),
     "dataset draw": ("--most", "1"),
-    **{f"train {name}": ("--minutes", "0.001") for name in (
-        "plan2layout", "table", "text2plan", "outline2plan", "bubbles", "detector", "lists",
-        "reader")},
+    **{verb: ("--minutes", "0.001") for verb in INPUTS if verb.startswith("train ")},
+    "train next": ("--minutes", "0.001", "--network", "lists"),
     "evaluate layouts": ("--n", "1", "--steps", "1", "--no-fid"),
     "evaluate ood": ("--n", "1", "--draws", "1", "--per-room", "1"),
     "evaluate speed": ("--n", "1", "--steps", "1", "--no-fid"),
@@ -61,6 +60,9 @@ QUICK: dict[str, tuple[str, ...]] = {
     "evaluate detector": ("--houses", "1"),
 }  # fmt: skip
 """Settings with which a verb is soon done."""
+
+WHOLE = frozenset({"train next"})
+"""Verbs that replace their process."""
 
 _WEIGHTS = (("train", 1), ("evaluate", 1), ("batch", 1), ("render", 1), ("assets build", 1),
             ("generate", 3), ("regenerate", 3))  # fmt: skip
@@ -272,7 +274,8 @@ def work(bench: Bench, runs: int, seed: int, write: bool) -> int:
     for number in range(runs):
         rng = Random(f"{seed}/{number}")
         verb, words, targets = command(rng, bench.base / "tree")
-        run = bench.run(words, whole=number % _SHARE_WHOLE == _SHARE_WHOLE - 1)
+        whole = verb in WHOLE or number % _SHARE_WHOLE == _SHARE_WHOLE - 1
+        run = bench.run(words, whole=whole)
         after = watch.look(bench.base)
         wrong = touched(run, bench.before, after, bench.base, bench.owned, targets)
         faults = [one for one in run.faults() if not one.startswith("took")]

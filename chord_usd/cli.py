@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         interrupts.watch()
     try:
-        return _answer(words) if arguments is not None else _by_worker_or_here(words)
+        return _answer(words, is_guest=True) if arguments is not None else _by_worker_or_here(words)
     except KeyboardInterrupt as caught:
         reason = interrupts.came() or interrupts.Interrupted
         sys.stderr.write(interrupts.told(reason, str(caught)))
@@ -91,10 +91,12 @@ def _by_worker_or_here(words: Sequence[str]) -> int:
     return code
 
 
-def _answer(words: Sequence[str]) -> int:
+def _answer(words: Sequence[str], *, is_guest: bool = False) -> int:
+    """is_guest: the process does more than this command line."""
     from chord_usd.faces.commands.paths import check_paths
 
     options = build_parser(words).parse_args(words)
+    options.is_guest = is_guest
     working_folder()
     check_paths(options.parser, options)
     outcome = _run(options)

@@ -56,9 +56,16 @@ def run_next(options: argparse.Namespace) -> Outcome:
     if options.dry_run:
         data = {"network": name, "excess": round(row.excess, 3), "command": command}
         return Outcome(f"{text}\n{' '.join(command)}", data)
+    if options.is_guest:
+        raise UsageError(
+            "would replace the process that calls it", where="train next",
+            expected="a process for this command line alone",
+            try_="--dry-run, and the command that it prints",
+        )  # fmt: skip
     from chord_usd.workshop.training import loop  # noqa: F401 (a missing extra is one line; nothing begins)
 
-    sys.stderr.write(text + "\n")
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
     os.nice(10)
     os.execv(sys.executable, [sys.executable, "-m", *_launcher(name, options.device), *arguments])
 
