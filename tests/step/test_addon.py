@@ -17,6 +17,7 @@ from chord_usd.cli import main
 from chord_usd.library.catalogue import designs
 from chord_usd.library.database import build_assets
 from chord_usd.line.stage.check.check_stage import check_stage
+from tests.every import later
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "tests" / "fixtures" / "furnished_house.json"
@@ -90,7 +91,7 @@ def edits(run_in_blender: RunInBlender, house: Path) -> Told:
     return run_in_blender("edits.py", house)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=later("artist"))
 def artist(
     run_in_blender: RunInBlender, untouched: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Told:
@@ -99,13 +100,13 @@ def artist(
     return run_in_blender("artist.py", own)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=later("undo"))
 def undo(run_in_blender: RunInBlender, programs: Path) -> Told:
     """What was taken back."""
     return run_in_blender("undo.py", ROOT / "examples" / "two_bedrooms.png", programs)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=later("together"))
 def together(
     run_in_blender: RunInBlender, house: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Told, Told]:
@@ -118,10 +119,8 @@ def together(
         return told
 
     with ThreadPoolExecutor() as both:
-        one, other = (
-            both.submit(first),
-            both.submit(run_in_blender, "together.py", "second", house, meeting),
-        )
+        one = both.submit(first)
+        other = both.submit(run_in_blender, "together.py", "second", house, meeting)
         return one.result(), other.result()
 
 
@@ -308,7 +307,6 @@ def test_a_house_is_not_written_while_another_has_it(failures: Told) -> None:
     assert failures["folders"] == ["plän 1 2", "plän 1 3"]
 
 
-@pytest.mark.acceptance
 def test_two_blenders_do_not_work_on_one_house(together: tuple[Told, Told]) -> None:
     first, second = together
     assert first["open"] == first["save"] == ""
@@ -317,7 +315,6 @@ def test_two_blenders_do_not_work_on_one_house(together: tuple[Told, Told]) -> N
     assert second["open"] == "", "the first has ended"
 
 
-@pytest.mark.acceptance
 def test_a_copy_does_not_count_as_its_original(artist: Told) -> None:
     assert artist["open"] == ""
     assert artist["copied"] == []
@@ -326,20 +323,17 @@ def test_a_copy_does_not_count_as_its_original(artist: Told) -> None:
     assert artist["copy_shows"], "also when the house is brought in again"
 
 
-@pytest.mark.acceptance
 def test_edits_are_found_wherever_the_house_is_put(artist: Told) -> None:
     assert artist["elsewhere"] == [BED, CABINET]
     assert artist["solo"] == ["Bedroom_0"]
 
 
-@pytest.mark.acceptance
 def test_a_piece_is_where_it_is_seen_whatever_it_hangs_on(artist: Told) -> None:
     assert artist["hung"] == [BED, CABINET]
     assert artist["pulled"] == [BED, TABLE, CABINET]
     assert np.allclose(artist["again"][1], artist["table"], atol=1e-5)
 
 
-@pytest.mark.acceptance
 def test_a_house_goes_as_a_whole_and_takes_nothing_along(artist: Told) -> None:
     assert artist["reopen"] == ""
     assert artist["after"] == artist["objects"]
@@ -349,13 +343,11 @@ def test_a_house_goes_as_a_whole_and_takes_nothing_along(artist: Told) -> None:
     assert artist["collections"] == [True, True]
 
 
-@pytest.mark.acceptance
 def test_a_layer_of_somebody_else_is_not_replaced(artist: Told) -> None:
     assert "was not written by this panel" in artist["foreign"]
     assert artist["foreign_kept"] == "#usda 1.0"
 
 
-@pytest.mark.acceptance
 def test_one_step_takes_a_new_house_back(undo: Told) -> None:
     assert undo["first"] == undo["second"] == ""
     assert undo["none"] == ["", 0, False]
@@ -363,7 +355,6 @@ def test_one_step_takes_a_new_house_back(undo: Told) -> None:
     assert undo["first_again"]
 
 
-@pytest.mark.acceptance
 def test_a_second_house_of_a_plan_has_its_own_folder(undo: Told) -> None:
     assert undo["folders"] == ["two_bedrooms", "two_bedrooms 2"]
     assert undo["first_edits"] == [BED, TABLE], "also those that were not saved yet"
@@ -371,7 +362,6 @@ def test_a_second_house_of_a_plan_has_its_own_folder(undo: Told) -> None:
     assert undo["second_edits"] == []
 
 
-@pytest.mark.acceptance
 def test_a_room_that_is_taken_back_is_taken_back_on_disk(undo: Told) -> None:
     assert undo["regenerated"] == undo["saved_back"] == ""
     assert undo["furnished_anew"]
@@ -380,7 +370,6 @@ def test_a_room_that_is_taken_back_is_taken_back_on_disk(undo: Told) -> None:
     assert undo["edits_back"] == [BED, CABINET]
 
 
-@pytest.mark.acceptance
 def test_undo_while_a_job_runs_takes_no_saved_edits_back(undo: Told) -> None:
     assert undo["saved_before"] == undo["meanwhile"] == ""
     assert undo["shows_another"]
@@ -388,7 +377,6 @@ def test_undo_while_a_job_runs_takes_no_saved_edits_back(undo: Told) -> None:
     assert np.allclose(saved, stands, atol=1e-5)
 
 
-@pytest.mark.acceptance
 def test_a_house_that_was_changed_outside_is_not_mixed(undo: Told) -> None:
     for said in undo["changed_outside"]:
         assert "changed outside" in said
@@ -498,9 +486,13 @@ def test_the_furniture_becomes_an_asset_library(failures: Told) -> None:
     assert failures["mine"], "what lay in the folder that was chosen"
 
 
-def test_nothing_is_left_when_it_is_disabled(
-    edits: Told, failures: Told, wishes: Told, artist: Told, undo: Told
-) -> None:
-    for told in (edits, failures, wishes, artist, undo):
-        assert told["left"] == told["handlers_left"] == []
-        assert not told["field_left"]
+def gone(*scripts: Told) -> bool:
+    return all(not (one["left"] or one["handlers_left"] or one["field_left"]) for one in scripts)
+
+
+def test_nothing_is_left_when_it_is_disabled(edits: Told, failures: Told, wishes: Told) -> None:
+    assert gone(edits, failures, wishes)
+
+
+def test_nothing_is_left_of_an_artists_work(artist: Told, undo: Told) -> None:
+    assert gone(artist, undo)
