@@ -27,6 +27,7 @@ from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.metrics.walk import ways_shut
 from chord_usd.base.places.free_places import is_passage
+from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.base.scene.types import (
     Box,
     Item,
@@ -107,8 +108,9 @@ def test_a_television_hangs_before_the_bed_where_no_room_is_lived_in_else(
 ) -> None:
     home = _home(("day", "bed", Box((3.9, 1.3, 0.0), (1.6, 2.1, 1.0), -90.0)))
     more = [Room(kind, kind, frozen_array([(0, 9), (4, 9), (4, 13), (0, 13)])) for kind in others]
-    view = view_home(replace(home, rooms=(*home.rooms, *more))).rooms[0]
-    assert len(view.televisions) == count
+    seen = view_home(replace(home, rooms=(*home.rooms, *more)))
+    assert len(seen.rooms[0].televisions) == count
+    assert (seen.watched_in_bed is seen.rooms[0]) == (count == 0)  # no other room has a place
 
 
 def test_a_table_is_laid_for_all_who_sleep_in_a_home() -> None:
@@ -146,6 +148,24 @@ def test_a_room_of_doors_is_a_passage_of_the_plan(wide: float, is_empty: bool) -
     after = put_back(house, house, ["room"], [], lambda one: one)
     assert bool(after.items) != is_empty
     assert not ways_shut(after, room)
+    for first in range(4):  # whichever corner its outline begins with
+        turned = frozen_array(np.roll(room.polygon_m, first, axis=0))
+        assert (
+            is_passage(SceneGraph((replace(room, polygon_m=turned),), doors, ()), "room")
+            == is_empty
+        )
+
+
+def test_what_changes_stands_in_no_wall() -> None:
+    """A shower of 80 cm, painted 8 mm in two walls, becomes one of 90 cm."""
+    room = Room("room", "bathroom", frozen_array([(0, 0), (3, 0), (3, 2.4), (0, 2.4)]))
+    shower = Item("room/s", "shower", Box((0.392, 0.392, 0.0), (0.8, 0.8, 2.1), 180.0), "room")
+    house = SceneGraph((room,), (), (shower,))
+    after = put_back(house, house, ["room"], [], lambda one: one)
+    (larger,) = (item for item in after.items if item.category == "shower")
+    assert larger.box.size_m[0] > 0.85
+    floor = room_polygon(room).buffer(0.002)
+    assert all(floor.covers(footprint_polygon(item.box)) for item in after.items)
 
 
 def test_a_shower_before_a_window_moves() -> None:

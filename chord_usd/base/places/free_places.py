@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import numpy.typing as npt
@@ -112,8 +113,7 @@ def free_places(
 
 _STEP_M = 0.1
 _WALKED = 12
-"""Places of one size from which ways through the room are looked at, evenly of those that are
-free."""
+"""Places of one size that are enough to choose from."""
 
 
 def free_boxes(shell: Shell, rest: Sequence[Item], boxes: Sequence[Box]) -> list[int]:
@@ -143,11 +143,14 @@ def first_pieces(graph: SceneGraph, room_id: str) -> Iterator[Item]:
             boxes = [box for start, end in shell.walls
                      for box in WallFrame.between(start, end).boxes(size, _STEP_M)]  # fmt: skip
             free = free_boxes(shell, (), boxes)
-            for at in free[:: 1 + len(free) // _WALKED]:
-                piece = Item(f"{room_id}/{name}_0", name, boxes[at], room_id)
-                alone = SceneGraph(graph.rooms, graph.openings, (piece,))
-                if not ways_shut(alone, shell.room):
-                    yield piece
+            step = 1 + len(free) // _WALKED
+            order = sorted(range(len(free)), key=lambda nth: nth % step)  # evenly first, then all
+            pieces = (Item(f"{room_id}/{name}_0", name, boxes[free[nth]], room_id) for nth in order)
+            yield from islice(
+                (piece for piece in pieces
+                 if not ways_shut(SceneGraph(graph.rooms, graph.openings, (piece,)), shell.room)),
+                _WALKED,
+            )  # fmt: skip
 
 
 def _modest(least_m: float, most_m: float) -> float:

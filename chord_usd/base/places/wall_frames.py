@@ -92,6 +92,16 @@ def wall_frames(room: Room, least_m: float = 0.05) -> Iterator[WallFrame]:
             yield WallFrame.between(start, end)
 
 
+def out_of_walls(box: Box, room: Room, within_m: float = 0.015) -> Box:
+    """A box that stands no deeper than within_m in walls, moved out of them."""
+    for wall in wall_frames(room):
+        low, high, deep, _ = wall.extent(footprint(box))
+        if -within_m <= deep < 0.0 and high > within_m and low < wall.length_m - within_m:
+            x, y = wall.inward * -deep + box.center_m[:2]
+            box = replace(box, center_m=(float(x), float(y), box.center_m[2]))
+    return box
+
+
 @dataclass(frozen=True)
 class Hole:
     """An opening in a wall, along the wall and upwards."""

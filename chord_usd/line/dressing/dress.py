@@ -13,7 +13,7 @@ import shapely
 
 from chord_usd.base.metrics.clear_floor import clearances
 from chord_usd.base.metrics.design.shell import shells
-from chord_usd.base.metrics.design.view import View
+from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.footprints import is_underfoot
 from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.base.metrics.walk import entrance, free_floor
@@ -116,6 +116,8 @@ class _House:
             for index in self._near(room)
             if graph.openings[index].kind == "door"
         }
+        watched = view_home(graph).watched_in_bed
+        self._watched_in_bed = watched and watched.shell.room.id
         self._balcony_doors = frozenset(graph.openings[index].id for index in near)
 
     def _near(self, room: Room) -> Sequence[int]:
@@ -138,7 +140,7 @@ class _House:
         """The dressing of a room; kept: what stays."""
         frame = self._frame(room, kept)
         shell = shells(self._graph.rooms, self._graph.openings)[room.id]
-        _dress_room(frame, View(shell, frame.pieces))
+        _dress_room(frame, View(shell, frame.pieces), room.id == self._watched_in_bed)
         taken_ids = {item.id for item in kept}
         return list(named(frame.placed, room.id, taken_ids))
 
@@ -177,10 +179,11 @@ class _House:
         )  # fmt: skip
 
 
-def _dress_room(frame: RoomFrame, view: View) -> None:
+def _dress_room(frame: RoomFrame, view: View, is_watched_in: bool) -> None:
     dress_windows(frame)
     dress_ceilings(frame)
-    hang_television(frame, view)
+    if is_watched_in or view.shell.is_lived_in:
+        hang_television(frame, view)
     if frame.kind == "kitchen" or frame.of("cooker_cabinet", "sink_cabinet"):
         dress_kitchen(frame)
     if frame.kind in WET_KINDS or frame.of("washbasin"):

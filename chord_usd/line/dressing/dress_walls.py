@@ -41,9 +41,9 @@ def dress_fittings(frame: RoomFrame) -> None:
 
 
 def hang_television(frame: RoomFrame, view: View) -> None:
-    """Where the sofa sees it, or else the bed, in rooms that are lived in and whose cabinets carry
-    none: before windows they are bare."""
-    if not view.shell.is_lived_in or len(view.of("tv_cabinet")) > len(view.bare):
+    """Where the sofa sees it, or else the bed, in rooms whose cabinets carry none: before windows
+    they are bare."""
+    if len(view.of("tv_cabinet")) > len(view.bare):
         return
     for asset in sorted(
         frame.stock.offered("television"), key=lambda one: (-one.size_m[0], one.id)

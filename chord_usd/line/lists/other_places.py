@@ -15,7 +15,7 @@ from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.bedroom_rules import WARDROBE_RULES, bedside, wardrobes
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.living_rules import SINGLES
-from chord_usd.base.metrics.design.price import before_leaves, conflicts
+from chord_usd.base.metrics.design.price import before_leaves, conflicts, quick_price
 from chord_usd.base.metrics.design.shell import TOUCH_M
 from chord_usd.base.metrics.design.view import View, sleepers_of
 from chord_usd.base.scene.geometry import to_world
@@ -51,8 +51,8 @@ _SOFA_M = (2.2, 0.9, 0.85)
 _SOFAS_M = (2.25, 1.7)
 """Lengths of sofas beside the one that is there."""
 _SIDEBOARDS = ("dining_cabinet", "side_coffee_table")
-_ZONED = 8
-"""Groups for which the dining table is laid elsewhere."""
+_WEIGHED, _ZONED = 48, 8
+"""Groups that are weighed, and those for which the dining table is laid elsewhere."""
 _DEEP_M2 = 16.0
 _VIEWED_FROM_M = 2.2
 """From the back of a sofa's seat to a television, where no wall is behind the sofa."""
@@ -152,9 +152,15 @@ def zoned(view: View) -> Iterator[Change]:
     if not tables:
         yield from free
         return
-    for items in free[:: 1 + len(free) // _ZONED]:
+    for items in _best(view, free):
         laid = list(laid_table(View(view.shell, items, view.hung), max(2, len(chairs))))
         yield from laid[:: 1 + len(laid) // 2]
+
+
+def _best(view: View, groups: Sequence[Change]) -> list[Change]:
+    """The groups that break the fewest rules, of some that differ most."""
+    some = groups[:: 1 + len(groups) // _WEIGHED]
+    return sorted(some, key=lambda items: quick_price(View(view.shell, items, view.hung)))[:_ZONED]
 
 
 def _grouped(view: View, moves: Sequence[int]) -> Iterator[Change]:

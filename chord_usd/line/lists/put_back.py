@@ -17,6 +17,7 @@ from chord_usd.base.metrics.rooms import is_to_furnish
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.places.free_places import first_pieces
+from chord_usd.base.places.wall_frames import out_of_walls
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
@@ -204,7 +205,8 @@ def _anew(
         edits = (*item.facts.edits, Edit(RULE, was.box if was else item.box))
         facts = replace(item.facts, source_px=(), asset_distance_m=None, below_sill_m=None,
                         edits=edits)  # fmt: skip
-        yield clear.below_sill(replace(item, id=name, asset=None, facts=facts))
+        box = out_of_walls(item.box, room)
+        yield clear.below_sill(replace(item, id=name, box=box, asset=None, facts=facts))
 
 
 class _Permits:

@@ -15,16 +15,20 @@ from chord_usd.base.scene.units import wrap_deg
 if TYPE_CHECKING:
     from chord_usd.base.metrics.design.view import View
 
-SIZE_M = (1.1, 0.05, 0.64)
-"""Of a screen on a wall, as a room is planned."""
+SIZES_M = ((1.1, 0.05, 0.64), (0.9, 0.05, 0.52))
+"""Of screens on walls, as rooms are planned: smaller where no wall has more place."""
 BASE_M = 0.85
 SEEN_FROM_M = (1.85, 3.95)
 """From the middle of the sofa."""
+_FARTHEST = 2.5
+"""Diagonals from which a screen smaller than the first is seen (THX, SMPTE)."""
 MOST_ASIDE_DEG = 19.0
 _OPPOSED = -0.97
 _BESIDE_M = 0.1
 """From a screen to an opening or to a piece that is higher than BASE_M."""
 _NEAR_WALL_M = 0.3
+_HIDES_M = 1.05
+"""Pieces higher than this hide a screen; backs of chairs do not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +64,12 @@ class Screen:
         return np.stack([ahead @ self.right, ahead @ self.front], axis=-1)
 
 
-def places_on_walls(view: View, size_m: tuple[float, float, float] = SIZE_M) -> Iterator[Box]:
+def planned_screen(view: View) -> Box | None:
+    """The largest screen that a wall of a room has place for."""
+    return next((box for size_m in SIZES_M for box in places_on_walls(view, size_m)), None)
+
+
+def places_on_walls(view: View, size_m: tuple[float, float, float]) -> Iterator[Box]:
     """Where a screen may hang before the longest sofa, or else a bed, from the middle of its view
     outwards: clear of openings, and of pieces higher than its lower edge."""
     seats = view.of("sofa") or view.of("bed")
@@ -68,14 +77,15 @@ def places_on_walls(view: View, size_m: tuple[float, float, float] = SIZE_M) -> 
     if sofa is None:
         return
     found = []
+    nearest, farthest = SEEN_FROM_M
+    if size_m[0] < SIZES_M[0][0]:
+        farthest = min(farthest, _FARTHEST * math.hypot(size_m[0], size_m[2]))
     for start, end in view.shell.walls:
         long = float(np.hypot(*(end - start)))
         along = (end - start) / max(long, 1e-6)
         inward = np.array([-along[1], along[0]])
         away = float((start - view.at[sofa]) @ view.front[sofa])
-        if inward @ view.front[sofa] > _OPPOSED or not (
-            SEEN_FROM_M[0] <= away - size_m[1] <= SEEN_FROM_M[1]
-        ):
+        if inward @ view.front[sofa] > _OPPOSED or not (nearest <= away - size_m[1] <= farthest):
             continue
         axis = float((view.at[sofa] - start) @ along)
         half = size_m[0] / 2
@@ -93,13 +103,14 @@ def _free_spans(
     view: View, start: FloatArray, along: FloatArray, inward: FloatArray, long: float
 ) -> list[tuple[float, float]]:
     """Stretches of a wall without openings and high pieces."""
-    lines = [hole.ends for hole in view.shell.holes]
-    lines += [view.corners[at] for at in range(len(view.items))
+    lines = [(hole.ends, _NEAR_WALL_M) for hole in view.shell.holes]
+    lines += [(view.corners[at], _NEAR_WALL_M if view.height[at] > _HIDES_M else _BESIDE_M)
+              for at in range(len(view.items))
               if view.stands[at] and view.height[at] > BASE_M]  # fmt: skip
     spans = [(0.0, long)]
-    for points in lines:
+    for points, near in lines:
         s, v = (points - start) @ along, (points - start) @ inward
-        if v.min() > _NEAR_WALL_M or v.max() < -_NEAR_WALL_M:
+        if v.min() > near or v.max() < -near:
             continue
         low, high = float(s.min()) - _BESIDE_M, float(s.max()) + _BESIDE_M
         spans = [

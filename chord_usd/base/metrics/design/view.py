@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from itertools import islice
 
 import numpy as np
 
-from chord_usd.base.metrics.design.screens import Screen, places_on_walls
+from chord_usd.base.metrics.design.screens import Screen, planned_screen
 from chord_usd.base.metrics.design.shell import TOUCH_M, Hole, Rects, Shell, shells
 from chord_usd.base.metrics.walk import entrance
 from chord_usd.base.scene.geometry import footprint, room_polygon
@@ -242,10 +241,15 @@ class View:
         bare = self.bare
         found = [Screen.of(self.items[at].box, self.items[at].id)
                  for at in self.of("tv_cabinet") if at not in bare]  # fmt: skip
-        hung: Iterable[Box] = self.hung or ()
-        if self.hung is None and self.shell.is_lived_in and not found:
-            hung = islice(places_on_walls(self), 1)
+        hung = self.hung or ()
+        if self.hung is None and self.shell.is_lived_in and not found and self.screen:
+            hung = (self.screen,)
         return found + [Screen.of(box) for box in hung]
+
+    @cached_property
+    def screen(self) -> Box | None:
+        """Where a television may hang before the sofa, or else the bed."""
+        return planned_screen(self)
 
 
 def _spread(low: float, high: float, count: int) -> FloatArray:
@@ -290,6 +294,17 @@ class HomeView:
     def sleepers(self) -> int:
         """How many people its beds are for."""
         return sum(sleepers_of(room) for room in self.rooms)
+
+    @cached_property
+    def watched_in_bed(self) -> View | None:
+        """The largest bedroom whose wall has a place for a television, where a home that is not
+        dressed yet has none in any other room: rules want one there, and count this one once it
+        hangs."""
+        if any(room.televisions for room in self.rooms):
+            return None
+        own = [room for room in self.rooms if room.shell.kind == "bedroom" and room.hung is None]
+        bedrooms = [room for room in own if room.screen]
+        return max(bedrooms, key=lambda room: room.shell.area_m2, default=None)
 
     def of(self, *categories: str) -> list[tuple[View, int]]:
         """Pieces of these categories, each with its room."""
