@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from chord_usd.line.stage.check.check_stage import check_stage
 ROOM = Room("r", "dining", np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]]))
 
 
-def house(armchair_y_m: float = 0.6) -> SceneGraph:
+def house(armchair_y_m: float = 0.6, armchair_x_m: float = 4.2) -> SceneGraph:
     """A table with a row of two chairs at each side, and an armchair before a cabinet."""
     seats = [
         Item(f"chair_{n}", "chair", Box((x, y, 0.0), (0.45, 0.5, 0.9), yaw), "r")
@@ -29,7 +30,7 @@ def house(armchair_y_m: float = 0.6) -> SceneGraph:
     ]
     table = Item("table", "dining_table", Box((2.0, 2.3, 0.0), (1.4, 0.85, 0.75), 0.0), "r")
     chair = Item(
-        "armchair", "single_sofa", Box((4.2, armchair_y_m, 0.0), (0.8, 0.8, 0.8), 180), "r"
+        "armchair", "single_sofa", Box((armchair_x_m, armchair_y_m, 0.0), (0.8, 0.8, 0.8), 180), "r"
     )
     cabinet = Item("cabinet", "cabinet", Box((4.2, 1.65, 0.0), (0.8, 0.4, 1.0), 0.0), "r")
     return match_assets(SceneGraph((ROOM,), (), (table, *seats, chair, cabinet)), load_database())
@@ -59,3 +60,14 @@ def test_an_armchair_narrows_no_passage_and_what_is_locked_stays() -> None:
     assert found["armchair"].box == graph.items[5].box
     assert leave_askew(Arrangement.of(free)).items[5].box.yaw_deg != free.items[5].box.yaw_deg
     assert leave_askew(Arrangement.of(graph, movable=())).items == graph.items
+
+
+def test_a_passage_at_a_wall_stays_beside_a_nearer_wall() -> None:
+    """0.1 m from the wall at its side, an armchair leaves 0.42 m before it."""
+    for before_m, turns in ((0.42, False), (0.55, True)):
+        graph = house(0.4 + before_m, 5.0 - 0.4 - 0.1)
+        free = tuple(item for item in graph.items if item.id != "cabinet")
+        (armchair,) = (item for item in free if item.id == "armchair")
+        after = leave_askew(Arrangement.of(replace(graph, items=free)))
+        (left,) = (item for item in after.items if item.id == "armchair")
+        assert (left.box != armchair.box) == turns

@@ -12,6 +12,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -322,7 +323,9 @@ def _askew(item: Item) -> Iterator[Box]:
 def _around(work: Arrangement, item: Item, items: Sequence[Item]) -> list[shapely.Geometry]:
     """What bounds the passages beside a piece."""
     floor = work.floors.get(item.room_id)
-    walls = [floor.exterior] if floor is not None else []
+    corners = floor.exterior.coords if floor is not None else ()
+    # A wall each: the distance to all of them is that to the nearest alone.
+    walls = [shapely.LineString(ends) for ends in pairwise(corners)]
     others = [
         footprint_polygon(other.box)
         for other in items
