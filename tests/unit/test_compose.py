@@ -72,6 +72,19 @@ def test_units_stand_off_the_casings_of_doors(door_at: float) -> None:
                 assert all(shape.intersection(leg).area < 1e-6 for leg in legs)
 
 
+def test_no_unit_stands_close_before_a_wall() -> None:
+    """A pier 75 cm from a wall: what is behind it could not be opened."""
+    pier = shapely.box(0.75, 2.6, 1.9, 3.4)
+    floor = shapely.orient_polygons(shapely.box(0, 0, 3.6, 3.4).difference(pier))
+    bare = kitchen((3.6, 3.4), door_at=0.8)
+    room = replace(bare.rooms[0], polygon_m=shapely.get_coordinates(floor.exterior)[:-1])
+    house = replace(bare, rooms=(room,), openings=bare.openings[:1])
+    for seed in range(6):
+        for item in composed(house, seed).items:
+            front = replace(item.box, size_m=(item.box.size_m[0], item.box.size_m[1] + 0.6, 1.0))
+            assert footprint_polygon(front).intersection(pier).area < 0.02, (seed, item.category)
+
+
 def test_people_come_in_over_open_borders() -> None:
     """Cookers stand off these as off doors, when kitchens are composed and when they are judged."""
     house = kitchen((3.0, 3.4))

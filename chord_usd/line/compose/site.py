@@ -34,6 +34,8 @@ Span = tuple[float, float]
 
 LEAST_WALL_M = 0.3
 """Nothing stands along a shorter side."""
+_OPENED_M = 0.35
+"""Before the front of a unit, at least, so that its door opens."""
 _WALLS = 16
 """Sides of a room that are looked at, the longest ones."""
 TOUCH_M = 1e-4
@@ -141,10 +143,13 @@ def site_of(house: SceneGraph, room: Room, stays: Iterable[Item], moves: Iterabl
     standing = [footprint(item.box) for item in stays]
     holes = [one for one in own if one.kind != "window"]
     trim = _trim_of(list(dict.fromkeys(one for one, _ in clear)), room)
+    solid = _edges(corners, [footprint_polygon(one) for one in borders], ())
     lengths = np.hypot(*(np.roll(corners, -1, axis=0) - corners).T)
     longest = sorted(np.argsort(-lengths, kind="stable")[:_WALLS].tolist())
     walls = tuple(
-        _wall(index, corners, clear, own, [footprint(one) for one in borders], standing, trim)
+        _wall(
+            index, corners, clear, own, [footprint(one) for one in borders], standing, trim, solid
+        )
         for index in longest
         if lengths[index] >= LEAST_WALL_M
     )
@@ -197,7 +202,9 @@ def _wall(
     borders: Sequence[FloatArray],
     standing: Sequence[FloatArray],
     trim: Sequence[tuple[Box, float]],
+    solid: FloatArray,
 ) -> Wall:
+    """solid: (E, 2, 2) the room's sides without open borders."""
     side = WallFrame.between(corners[index], corners[(index + 1) % len(corners)])
     others = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
     edges = side.local(np.delete(others, index, axis=0)).reshape(-1, 4)
@@ -211,6 +218,7 @@ def _wall(
         # Drawers and doors of a unit pass before its front.
         blocks.append([s_from - gap, s_to + gap, t_from - gap - BEFORE_M, t_to + gap, low])
     blocks += [[*side.extent(shape), _OUT] for shape in standing]
+    blocks += _facing(side.local(solid).reshape(-1, 4))
     # No wall is behind what would stand at an open border.
     blocks += [[low, high, 0.0, 0.1, _OUT] for low, high in _along(side, borders)]
     windows = [footprint(one.box) for one in openings if one.kind == "window"]
@@ -226,6 +234,15 @@ def _trim_of(openings: Iterable[Opening], room: Room) -> list[tuple[Box, float]]
     """Casings and window boards, and the height from which they keep pieces out."""
     found = [(leg, _OUT) for one in openings for leg in casings(one, room)]
     return found + [(one, one.center_m[2]) for each in openings for one in boards(each, room)]
+
+
+def _facing(edges: FloatArray) -> Iterator[list[float]]:
+    """Blocks before walls, (E, 4) in the frame of another, that stand so near before that one that
+    units between them could not be opened."""
+    for s_from, t_from, s_to, t_to in edges.tolist():
+        if abs(t_from - t_to) < 0.05 and t_from > _AT_WALL_M:
+            low, high = sorted((s_from, s_to))
+            yield [low - _TRIM_GAP_M, high + _TRIM_GAP_M, t_from - _OPENED_M, t_from, _OUT]
 
 
 def _along(wall: WallFrame, shapes: Iterable[FloatArray]) -> Iterator[Span]:
