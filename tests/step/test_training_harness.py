@@ -249,6 +249,15 @@ class TestNext:
         assert "train next: would replace the process that calls it" in capsys.readouterr().err
         assert not list(tmp_path.iterdir())
 
+    @pytest.mark.acceptance
+    def test_what_the_run_says_is_heard(self, tmp_path: Path) -> None:
+        words = ["train", "next", "--network", "symbols", "--minutes", "0.001", "-o"]
+        command = [sys.executable, "-m", "chord_usd", *words, tmp_path / "runs"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0
+        assert "symbols: " in done.stderr
+        assert "checkpoint: " in done.stdout
+
     def test_a_wrong_table_is_one_line(self, tmp_path: Path) -> None:
         (tmp_path / "targets.tsv").write_text("network\tvalue\nlists\t2\n")
         with pytest.raises(CheckpointError, match="targets"):

@@ -7,6 +7,7 @@ import os
 import sys
 from pathlib import Path
 
+from chord_usd.base.runtime import console
 from chord_usd.faces.commands.common import Outcome, UsageError, Verbs, add_verb, positive
 from chord_usd.faces.commands.paths import output_run
 
@@ -64,8 +65,11 @@ def run_next(options: argparse.Namespace) -> Outcome:
         )  # fmt: skip
     from chord_usd.workshop.training import loop  # noqa: F401 (a missing extra is one line; nothing begins)
 
-    sys.stdout.write(text + "\n")
-    sys.stdout.flush()
+    console.stderr().write(text + "\n")
+    # What this verb keeps from libraries, the next process needs.
+    for number, stream in ((1, console.stdout()), (2, console.stderr())):
+        stream.flush()
+        os.dup2(stream.fileno(), number)
     os.nice(10)
     os.execv(sys.executable, [sys.executable, "-m", *_launcher(name, options.device), *arguments])
 
