@@ -14,6 +14,7 @@ from chord_usd.base.metrics.design import judged_home, judged_room
 from chord_usd.base.metrics.design.bedroom_rules import WARDROBE_RULES
 from chord_usd.base.metrics.design.home_rules import (
     DINERS,
+    HALL,
     LAUNDRY,
     SHOES,
     TABLE,
@@ -42,6 +43,7 @@ from chord_usd.line.lists.dining_changes import seats_at
 from chord_usd.line.lists.improve import free_of_clashes, improved
 from chord_usd.line.lists.other_places import changes_of
 from chord_usd.line.lists.put_back import put_back
+from chord_usd.line.lists.repairs import repairs
 
 
 def test_a_deep_living_room_gets_a_television_before_its_sofa() -> None:
@@ -100,6 +102,23 @@ def test_a_home_without_a_living_room_lives_where_it_sleeps() -> None:
     assert {item.category for item in after.items} & SEATS
     assert sum(room_faults(after, after.rooms)) <= sum(room_faults(home, home.rooms))
     assert _repaired(home, [room.id for room in home.rooms]).items == home.items
+
+
+def test_shoes_leave_the_floor_behind_the_front_door() -> None:
+    """A cabinet stands 15 cm over the width of the door, and walls have other places."""
+    shoes = ("kitchen", "shoe_cabinet", Box((6.2, 0.6, 0.0), (1.1, 0.3, 1.1), 90.0))
+    taken = ("kitchen", "shoe_cabinet", Box((6.5, 0.6, 0.0), (1.1, 0.4, 1.1), 90.0))
+    for piece, is_broken in ((shoes, False), (taken, True)):
+        home = _home(_BED, piece)
+        broken = {finding.rule for finding in judged_home(view_home(home)).findings}
+        assert (HALL in broken) == is_broken
+    ((at, proposals),) = repairs(view_home(home), HALL)
+    others = tuple(item for item in home.items if item.room_id != "kitchen")
+    changes = [change for propose in proposals for change in propose(view_home(home).rooms[at])]
+    after = [replace(home, items=(*others, *change)) for change in changes]
+    broken = [{one.rule for one in judged_home(view_home(house)).findings} for house in after]
+    assert any(not {HALL, SHOES} & rules for rules in broken)
+    assert all(len(house.items) == len(home.items) for house in after)
 
 
 @pytest.mark.parametrize(("others", "count"), [((), 1), (("living",), 0)])

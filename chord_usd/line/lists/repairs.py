@@ -13,6 +13,7 @@ from chord_usd.base.metrics.design import judged_home
 from chord_usd.base.metrics.design.bedroom_rules import wardrobes
 from chord_usd.base.metrics.design.home_rules import (
     DINERS,
+    HALL,
     LAUNDRY,
     MOST_DINERS,
     NO_HOME_WITHOUT,
@@ -25,7 +26,7 @@ from chord_usd.base.metrics.design.home_rules import (
 from chord_usd.base.metrics.design.view import HomeView, View
 from chord_usd.base.metrics.rooms import stands_in
 from chord_usd.base.scene.types import Box, FloatArray, RoomKind
-from chord_usd.line.lists.changes import Change, Propose, Size, at_walls, new_piece
+from chord_usd.line.lists.changes import Change, Propose, Size, at_walls, but, new_piece
 from chord_usd.line.lists.dining_changes import (
     Compose,
     eat_in,
@@ -162,8 +163,22 @@ def _shoes(home: HomeView) -> Iterator[Repair]:
             yield at, iter([partial(_by_door, door=door)])
 
 
-def _by_door(view: View, door: FloatArray) -> Iterator[Change]:
-    """A shoe cabinet at a wall by the front door, the nearest places first."""
+def _hall(home: HomeView) -> Iterator[Repair]:
+    """The shoe cabinet beside the floor behind the front door, or a smaller one."""
+    if home.entrance is None:
+        return
+    door = np.array(home.entrance.box.center_m[:2])
+    for at, room in enumerate(home.rooms):
+        if there := room.of("shoe_cabinet"):
+            yield at, iter([partial(_by_door, door=door, instead=there)])
+
+
+def _by_door(view: View, door: FloatArray, instead: Sequence[int] = ()) -> Iterator[Change]:
+    """A shoe cabinet at a wall by the front door, the nearest places first.
+
+    instead: numbers of pieces that it replaces.
+    """
+    view = View(view.shell, but(view, instead), view.hung)
     places: list[tuple[float, int, Box]] = []
     for size in _SHOES_M:
         for box in at_walls(view, size):
@@ -202,5 +217,5 @@ _EATEN: Mapping[str, Callable[[HomeView, Compose | None], Iterator[Repair]]] = {
 }  # fmt: skip
 _BY_RULE: Mapping[str, Callable[[HomeView], Iterator[Repair]]] = {
     NO_HOME_WITHOUT: _needed, TELEVISION: _television,
-    WARDROBES: _wardrobes, SHOES: _shoes, LAUNDRY: _laundry, STORAGE: _storage,
+    WARDROBES: _wardrobes, SHOES: _shoes, HALL: _hall, LAUNDRY: _laundry, STORAGE: _storage,
 }  # fmt: skip

@@ -21,6 +21,7 @@ LAUNDRY, TABLE, STORAGE = "laundry", "dining table", "storage in a store room"
 NO_HOME_WITHOUT, DINERS = "what no home is without", "diners without a seat"
 TELEVISION, WARDROBES = "television", "wardrobe a sleeper"
 SHOES = "shoe cabinet from the entrance"
+HALL = "share of the floor behind the entrance taken"
 """Names of rules that pieces which are added keep."""
 _STORAGE, _LAUNDRY = having("storage"), having("laundry")
 
@@ -119,13 +120,6 @@ RULES: tuple[Rule[HomeView], ...] = (
     Rule("refrigerator", 1, "count", "NKBA 3", _count("refrigerator")),
     Rule("bath or shower", 1, "count", "DIN 18022", _wash),
     Rule(SHOES, 3.00, "m", "DIN 18011", _shoes, at_most=True),
-    Rule(
-        "share of the floor behind the entrance taken",
-        0.03,
-        "share",
-        "DIN 18011",
-        _hall,
-        at_most=True,
-    ),
+    Rule(HALL, 0.03, "share", "DIN 18011", _hall, at_most=True),
     Rule(STORAGE, 1, "count", "NDSS", _empty_stores, weight=0.5),
 )
