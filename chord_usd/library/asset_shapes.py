@@ -1,4 +1,4 @@
-"""Assets seen from above: their meshes as heights over a grid."""
+"""What is measured on meshes of assets and kept: heights from above, open boards, leaves."""
 
 from __future__ import annotations
 
