@@ -282,26 +282,52 @@ def unsupported(
 
 
 def _stands(item: Body, carriers: Sequence[Body]) -> bool:
-    """Whether the centroid lies over the hull of the points at which the item is carried."""
+    """Whether the centroid lies over the hull of the points at which the item is carried.
+
+    More points only widen the hull, so that those which take longer to find come last.
+    """
     low_m = float(item.bounds_m[0, 2])
-    feet = _thinned(item.vertices_m[item.vertices_m[:, 2] < low_m + SUPPORT_GAP_M])
-    soles = _level(item, low_m, facing=-1.0)
-    points: list[FloatArray] = []
     tops = [_level(carrier, low_m, facing=1.0) for carrier in carriers]
-    for carrier, top in zip(carriers, tops, strict=True):
-        points.append(feet[_touch(feet, top)])
-        # The carrier may be the smaller one: then its corners lie under the item's sole.
+    points: list[FloatArray] = []
+    for find in (_feet_on, _corners_under, _rims_under):
+        points += find(item, carriers, tops, low_m)
+        if _balances(item, points):
+            return True
+    return False
+
+
+def _feet_on(
+    item: Body, carriers: Sequence[Body], tops: Sequence[FloatArray], low_m: float
+) -> list[FloatArray]:
+    """(N, 3) points of an item's underside that touch a carrier, for each carrier."""
+    feet = _thinned(item.vertices_m[item.vertices_m[:, 2] < low_m + SUPPORT_GAP_M])
+    return [feet[_touch(feet, top)] for top in tops]
+
+
+def _corners_under(
+    item: Body, carriers: Sequence[Body], tops: Sequence[FloatArray], low_m: float
+) -> list[FloatArray]:
+    """(N, 3) corners of each carrier, which may be the smaller, under the item's sole."""
+    soles = _level(item, low_m, facing=-1.0)
+    points = []
+    for carrier in carriers:
         corners = carrier.vertices_m
         corners = corners[np.abs(corners[:, 2] - low_m) < 2 * SUPPORT_GAP_M]
         corners = _thinned(corners[_over(corners, item.bounds_m)])
         points.append(corners[_touch(corners, soles)])
-    if _balances(item, points):
-        return True
-    # A pot on the bars of a grate: they cross below its sole, and no corner lies there.
-    for top in tops:
-        rims = _thinned(_rims(top, item.bounds_m))
-        points.append(rims[_touch(rims, soles)])
-    return _balances(item, points)
+    return points
+
+
+def _rims_under(
+    item: Body, carriers: Sequence[Body], tops: Sequence[FloatArray], low_m: float
+) -> list[FloatArray]:
+    """(N, 3) points along the sides of each carrier's triangles under the item's sole.
+
+    A pot on the bars of a grate: they cross below its sole, and no corner lies there.
+    """
+    soles = _level(item, low_m, facing=-1.0)
+    rims = [_thinned(_rims(top, item.bounds_m)) for top in tops]
+    return [points[_touch(points, soles)] for points in rims]
 
 
 def _balances(item: Body, contacts: Sequence[FloatArray]) -> bool:

@@ -25,8 +25,7 @@ through the first instance that shows them.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,6 +41,9 @@ NODE_ID = "chord:node_id"
 
 EXTENT_TOLERANCE_M = 1e-3
 MIN_FACE_AREA_M2 = 1e-12
+
+StageRule = Callable[[Usd.Stage], Iterator[tuple[str, str]]]
+"""Paths and messages."""
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
@@ -63,17 +65,29 @@ def broken_rules(stage: Usd.Stage) -> list[Finding]:
 
     stage: opened with all payloads loaded.
     """
-    with ThreadPoolExecutor(1) as beside:  # USD's own take as long as ours, and hold no lock
-        usd_findings = beside.submit(_usd_findings, stage)
-        findings = _own_findings(stage)
-    return sorted({*findings, *usd_findings.result()}, key=lambda f: (f.rule, f.path, f.message))
+    return in_order([*broken_by_prims(stage), *broken_by_files(stage)])
 
 
-def _own_findings(stage: Usd.Stage) -> list[Finding]:
-    findings = []
-    for rule, look in _STAGE_RULES.items():
-        findings += [Finding(rule, path, message) for path, message in look(stage)]
-    return findings + _prim_findings(_prims_once(stage))
+def in_order(findings: Iterable[Finding]) -> list[Finding]:
+    """Each finding once, by rule and path."""
+    return sorted({*findings}, key=lambda f: (f.rule, f.path, f.message))
+
+
+def broken_by_files(stage: Usd.Stage) -> list[Finding]:
+    """What USD's validators find, and rules about files: calls of USD that let other threads run
+    meanwhile."""
+    return [*_usd_findings(stage), *_stage_findings(stage, _FILE_RULES)]
+
+
+def broken_by_prims(stage: Usd.Stage) -> list[Finding]:
+    """What the other rules find."""
+    return [*_stage_findings(stage, _STAGE_RULES), *_prim_findings(_prims_once(stage))]
+
+
+def _stage_findings(stage: Usd.Stage, rules: Mapping[str, StageRule]) -> Iterator[Finding]:
+    for rule, look in rules.items():
+        for path, message in look(stage):
+            yield Finding(rule, path, message)
 
 
 def _prim_findings(prims: Iterable[Usd.Prim]) -> list[Finding]:
@@ -368,12 +382,15 @@ def _face_areas_m2(points: np.ndarray, counts: np.ndarray, corners: np.ndarray) 
     return doubled / 2.0
 
 
-_STAGE_RULES: dict[str, Callable[[Usd.Stage], Iterator[tuple[str, str]]]] = {
+_STAGE_RULES: dict[str, StageRule] = {
     "CHORD001": _metrics,
-    "CHORD005": _asset_paths,
-    "CHORD008": _missing_files,
     "CHORD014": _node_ids,
     "CHORD017": _missing_coordinates,
+}
+
+_FILE_RULES: dict[str, StageRule] = {
+    "CHORD005": _asset_paths,
+    "CHORD008": _missing_files,
 }
 
 _PRIM_RULES: dict[str, Callable[[Usd.Prim], Iterator[str]]] = {
@@ -394,5 +411,5 @@ _MESH_RULES: dict[str, Callable[[Usd.Prim, _Shape], Iterator[str]]] = {
     "CHORD011": _finite_points,
 }
 
-RULES = tuple(sorted({*_STAGE_RULES, *_PRIM_RULES, *_MESH_RULES}))
+RULES = tuple(sorted({*_STAGE_RULES, *_FILE_RULES, *_PRIM_RULES, *_MESH_RULES}))
 """Numbers of our own rules."""

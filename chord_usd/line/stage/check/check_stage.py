@@ -7,7 +7,8 @@ by chord_usd.base.metrics on the scene that is read back from it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -30,7 +31,12 @@ from chord_usd.line.stage.check.check_dressing import (
 )
 from chord_usd.line.stage.check.check_held import Held, soft, underfoot
 from chord_usd.line.stage.check.check_openables import Opens, openables
-from chord_usd.line.stage.check.check_rules import Finding, broken_rules
+from chord_usd.line.stage.check.check_rules import (
+    Finding,
+    broken_by_files,
+    broken_by_prims,
+    in_order,
+)
 from chord_usd.line.stage.check.check_scene import StageScene, read_storeys
 from chord_usd.line.stage.check.check_stairs import stage_walks, stair_faults
 
@@ -168,10 +174,19 @@ def check_stage(path: Path, *, own: bool = False, standards: Sequence[Standard] 
 
 
 def _reported(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:
-    errors = broken_rules(stage)
+    with ThreadPoolExecutor(1) as beside:
+        of_files = beside.submit(broken_by_files, stage)
+        of_prims = broken_by_prims(stage)
+        report = _measured(stage, standards)
+        found = in_order([*of_files.result(), *of_prims])
+    return replace(report, errors=(*found, *report.errors))
+
+
+def _measured(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:
+    """The report, of broken rules with CHORD015 only."""
     storeys = read_storeys(stage)
-    if not any(scene.graph.rooms for scene in storeys):
-        errors.append(Finding("CHORD015", "/", "has no room with a floor below its Rooms"))
+    roomless = Finding("CHORD015", "/", "has no room with a floor below its Rooms")
+    errors = () if any(scene.graph.rooms for scene in storeys) else (roomless,)
     scores = [score_scene(scene.graph) for scene in storeys]
     faults = stair_faults(storeys)
     walks = stage_walks(storeys, faults) if len(storeys) > 1 else [one.walk for one in scores]
@@ -181,7 +196,7 @@ def _reported(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:
     )
     whole = _together(storeys)
     return Report(
-        errors=tuple(errors),
+        errors=errors,
         collisions=tuple(hit for scene in storeys for hit in _collisions(scene)),
         out_of_room=tuple(one for own in scores for one in own.out_of_room),
         blocked_openings=tuple(one for own in scores for one in own.blocked_openings),
