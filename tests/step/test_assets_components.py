@@ -25,18 +25,25 @@ from chord_usd.library.kit.model import Design
 from chord_usd.library.surfaces.physical import stuff_of
 from chord_usd.library.surfaces.surface_maps import MAPS_FOLDER
 from tests.design_forms import ends
+from tests.every import later
 
 DRESSING_NAMES = {row.name for row in DRESSING_CATEGORIES}
 """What is soft or thin needs no collider."""
 
 ALL = {design.id: design for design in designs()}
-SAMPLE = dict(list(ALL.items())[::15])
+FIRST = list({design.category: design for design in reversed(ALL.values())}.values())
+"""The first design of each category."""
+
+
+@pytest.fixture(scope="module", params=[FIRST[::2], *later(list(ALL.values())[::15])], ids=len)
+def sample(request: pytest.FixtureRequest) -> list[Design]:
+    return list(request.param)
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def library(sample: list[Design], tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("library")
-    build_assets(folder, chosen=SAMPLE.values())
+    build_assets(folder, chosen=sample)
     return folder
 
 
@@ -58,9 +65,9 @@ def bytes_of(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
-def test_the_index_names_every_design(assets: tuple[Asset, ...]) -> None:
+def test_the_index_names_every_design(assets: tuple[Asset, ...], sample: list[Design]) -> None:
     assert {asset.id: asset.size_m for asset in assets} == {
-        design.id: design.size_m for design in SAMPLE.values()
+        design.id: design.size_m for design in sample
     }
     assert all(asset.licence == "CC0-1.0" and asset.author for asset in assets)
 
@@ -74,8 +81,10 @@ def test_usd_validation_finds_nothing(assets: tuple[Asset, ...]) -> None:
         assert UsdUtils.ComputeAllDependencies(str(asset.usd_path))[2] == []
 
 
-def test_the_same_design_gives_the_same_bytes(library: Path, tmp_path: Path) -> None:
-    for design in list(SAMPLE.values())[::9]:
+def test_the_same_design_gives_the_same_bytes(
+    library: Path, sample: list[Design], tmp_path: Path
+) -> None:
+    for design in sample[::9]:
         write_component(design, tmp_path)
         assert bytes_of(tmp_path / design.id) == bytes_of(library / design.id)
 
@@ -225,16 +234,16 @@ def pictures(stage: Usd.Stage) -> dict[str, str]:
     return {str(s.GetPath()): s.GetInput("file").Get().path for s in shaders if s.GetInput("file")}
 
 
-@pytest.mark.parametrize("design", list(SAMPLE.values())[::7], ids=lambda design: design.id)
-def test_colourways_change_what_is_seen(design: Design, library: Path) -> None:
-    stage = Usd.Stage.Open(str(library / design.id / f"{design.id}.usda"))
-    variants = stage.GetDefaultPrim().GetVariantSet("colour")
-    assert variants.GetVariantSelection() == next(iter(design.colourways))
-    seen = []
-    for name in design.colourways:
-        variants.SetVariantSelection(name)
-        seen.append((colours(stage), pictures(stage)))
-    assert all(one != other for one, other in itertools.pairwise(seen))
+def test_colourways_change_what_is_seen(assets: tuple[Asset, ...]) -> None:
+    for asset in assets[::7]:
+        stage, design = open_asset(asset), ALL[asset.id]
+        variants = stage.GetDefaultPrim().GetVariantSet("colour")
+        assert variants.GetVariantSelection() == next(iter(design.colourways)), asset.id
+        seen = []
+        for name in design.colourways:
+            variants.SetVariantSelection(name)
+            seen.append((colours(stage), pictures(stage)))
+        assert all(one != other for one, other in itertools.pairwise(seen)), asset.id
 
 
 def test_instances_of_two_colourways_keep_their_own(assets: tuple[Asset, ...]) -> None:

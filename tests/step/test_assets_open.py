@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -18,6 +17,7 @@ from chord_usd.library.kit.model import Design, Part, hollow_part, moving_part
 from chord_usd.library.kit.moves import Slide, door
 from chord_usd.library.kit.solids import box
 from tests.design_forms import forms
+from tests.every import for_every
 
 ALL_OPEN = (
     "cabinet", "cooker_cabinet", "dining_cabinet", "double_door_floor_cabinet",
@@ -26,11 +26,7 @@ ALL_OPEN = (
 )  # fmt: skip
 """Categories all of whose designs open."""
 
-
-FORMS: dict[str, list[list[Design]]] = defaultdict(list)
-"""By category."""
-for one_form in forms(designs()):
-    FORMS[one_form[0].category].append(one_form)
+FORMS = sorted(forms(designs()), key=lambda form: form[0].category)
 
 
 @pytest.fixture(scope="module")
@@ -38,22 +34,21 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("openable")
 
 
-@pytest.mark.parametrize("category", FORMS)
+@for_every("form", FORMS, ids=lambda form: form[0].id, step=3)
 def test_all_that_moves_opens_and_shuts_and_touches_nothing(
-    category: str, puller: ModuleType, folder: Path
+    form: list[Design], puller: ModuleType, folder: Path
 ) -> None:
     """Also: of a form either all sizes open, or none; of some categories, all forms."""
-    for editions in FORMS[category]:
-        first, parts = editions[0], editions[0].parts()
-        if len(editions) > 1:
-            assert opens(parts) == opens(editions[-1].parts()), first.id
-        if not opens(parts):
-            assert category not in ALL_OPEN, first.id
-            continue
-        spec = puller.jointed_spec(puller.written(first, folder))
-        model = spec.compile()
-        assert model.njnt == len(links_of(parts)) - 1, first.id
-        assert list(puller.faults_of(model)) == [], first.id
+    first, parts = form[0], form[0].parts()
+    if len(form) > 1:
+        assert opens(parts) == opens(form[-1].parts())
+    if not opens(parts):
+        assert first.category not in ALL_OPEN
+        return
+    spec = puller.jointed_spec(puller.written(first, folder))
+    model = spec.compile()
+    assert model.njnt == len(links_of(parts)) - 1
+    assert list(puller.faults_of(model)) == []
 
 
 def _crate(*, post_y: float) -> Design:

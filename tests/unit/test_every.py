@@ -32,6 +32,20 @@ def test_an_error_in_a_case_is_a_failure() -> None:
         divide()
 
 
+def test_steps_leave_the_other_cases_to_acceptance() -> None:
+    @for_every("number", range(7), step=3)
+    def keep(number: int) -> None:
+        seen.append(number)
+
+    (mark,) = keep.pytestmark  # type: ignore[attr-defined]
+    parts = []
+    for part in mark.args[1]:
+        seen: list[int] = []
+        keep(*part.values)
+        parts.append((seen, [one.name for one in part.marks]))
+    assert parts == [([0, 3, 6], []), ([1, 2, 4, 5], ["acceptance"])]
+
+
 def test_no_cases_are_refused() -> None:
     with pytest.raises(AssertionError, match="nothing"):
         for_every("case", [])
