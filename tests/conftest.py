@@ -15,10 +15,10 @@ import jsonschema
 import pytest
 from hypothesis import settings
 
-from chord_usd.base.runtime import resident
+from chord_usd.base.runtime import confined, resident
 from chord_usd.faces.commands.results import RESULTS, schema_of
 from tests.core_packages import core_environment
-from tests.forked_cli import LoadedProgram
+from tests.forks import LoadedProgram, LoadedReaders
 
 if TYPE_CHECKING:
     from chord_usd.base.scene.types import SceneGraph
@@ -35,6 +35,8 @@ RunCli = Callable[..., "subprocess.CompletedProcess[str]"]
 
 TIMEOUT_S = 300
 
+FRESH = confined._run
+
 # The same examples every time: a change is judged by what it changes, not by luck.
 settings.register_profile("steady", derandomize=True, deadline=None, max_examples=60)
 settings.load_profile("steady")
@@ -46,6 +48,36 @@ def loaded_program(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LoadedP
     program = LoadedProgram(_environment({}), tmp_path_factory.mktemp("streams"))
     yield program
     program.close()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def loaded_readers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Files of strangers are read in forks of a process, started for the first of them."""
+    owner = os.getpid()
+    started: list[LoadedReaders] = []
+
+    def run(
+        payload: bytes, wall_s: float, meanwhile: Callable[[], object] | None
+    ) -> tuple[int, bytes]:
+        if os.getpid() != owner:
+            return FRESH(payload, wall_s, meanwhile)
+        if not started or started[-1].has_ended:
+            started.append(LoadedReaders(tmp_path_factory.mktemp("readers")))
+        return started[-1].run(payload, wall_s, meanwhile)
+
+    confined._run = run
+    yield
+    confined._run = FRESH
+    for readers in started:
+        readers.close()
+
+
+@pytest.fixture(scope="module")
+def fresh_readers() -> Iterator[None]:
+    """Each file is read in a process that is started for it, as the program does."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(confined, "_run", FRESH)
+        yield
 
 
 @pytest.fixture(scope="session")

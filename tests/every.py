@@ -22,8 +22,7 @@ def later(*cases: Any) -> list[Any]:
     A case is the value of the parameter, or a tuple of the values of several.
     """
     return [
-        pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=LATER)
-        for case in cases
+        pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=LATER) for case in cases
     ]
 
 

@@ -22,6 +22,8 @@ from chord_usd.base.errors import ChordError, PlanError
 from chord_usd.base.runtime.confined import Limits, confined
 from chord_usd.line.plan.vector.safe_xml import parse_xml
 
+pytestmark = pytest.mark.usefixtures("fresh_readers")
+
 if sys.platform != "linux":
     pytest.skip("limits and signals as Linux has them", allow_module_level=True)
 

@@ -16,6 +16,8 @@ from chord_usd.base.runtime.confined import confined
 from chord_usd.base.runtime.sent_values import packed, unpacked
 from chord_usd.base.scene.types import Box, Room
 
+pytestmark = pytest.mark.usefixtures("fresh_readers")
+
 
 def through(value: object) -> Any:
     return unpacked(b"".join(packed(value)))
