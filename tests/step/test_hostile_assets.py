@@ -29,8 +29,6 @@ from chord_usd.line.pipeline import Settings, read_scene_file, write_stage
 from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.export.packages import package_files
 
-pytestmark = pytest.mark.usefixtures("fresh_readers")
-
 
 @pytest.fixture
 def victim(tmp_path: Path, block: Asset) -> Iterator[Path]:

@@ -16,8 +16,6 @@ from chord_usd.base.errors import PlanError, SceneError
 from chord_usd.base.raster.raster_files import TEXT_CHUNK, read_layout
 from chord_usd.line.plan.picture import read_picture
 
-pytestmark = pytest.mark.usefixtures("fresh_readers")
-
 
 def chunked(path: Path, text: str) -> Path:
     chunks = PngInfo()

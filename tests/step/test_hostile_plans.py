@@ -21,8 +21,6 @@ from chord_usd.line.plan.picture import LARGEST_SIDE_PX, read_picture
 from chord_usd.line.plan.read import read_plan_file
 from tests.every import later
 
-pytestmark = pytest.mark.usefixtures("fresh_readers")
-
 LONGEST_S = 60.0
 LARGEST_MIB = 1024 + 128
 """The limit, and what an interpreter with numpy starts with."""

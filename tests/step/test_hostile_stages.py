@@ -30,8 +30,6 @@ from chord_usd.line.stage.export.export_stage import export_stage
 from chord_usd.line.stage.read.describe import describe_stage
 from chord_usd.line.stage.read.diff import diff_stages
 
-pytestmark = pytest.mark.usefixtures("fresh_readers")
-
 
 @pytest.fixture
 def victim(tmp_path: Path, block: Asset) -> Iterator[Path]:
