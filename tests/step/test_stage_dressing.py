@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Sdf, Usd, UsdGeom, UsdPhysics
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 
+import chord_usd
 from chord_usd.base.scene.types import Asset, Box, Facts, Item, Provenance, SceneGraph
 from chord_usd.library.looks.look_library import StyleLooks
 from chord_usd.line.image.annotations import category_ids
@@ -207,17 +208,48 @@ def test_masks_name_it(dressed_house: Path) -> None:
     assert min(ids["bowl"], ids["floor_plant"]) > max(ids["sofa"], ids["floor"])
 
 
-def test_what_stands_on_a_top_moves_and_what_stands_within_stays(
-    dressed_graph: SceneGraph, tmp_path: Path
+def test_what_rests_on_a_piece_that_moves_moves_with_it(
+    staged_graph: SceneGraph, block: Asset, tmp_path: Path
 ) -> None:
-    bowl = next(one for one in dressed_graph.dressing if one.category == "bowl")
-    x, y, z = bowl.box.center_m
-    low = replace(bowl, id="low", box=replace(bowl.box, center_m=(x, y, z - 0.2)))
-    graph = replace(dressed_graph, dressing=(bowl, low))
-    stage = Usd.Stage.Open(str(author_stage(graph, tmp_path / "house.usda", seed=3).path))
-    found = {
-        prim.GetAttribute("chord:node_id").Get(): prim.HasAPI(UsdPhysics.RigidBodyAPI)
-        for group in groups(stage)
-        for prim in group.GetChildren()
-    }
-    assert found == {bowl.id: True, "low": False}
+    """As a body on its top, tied where it lies within; also in the room it is brought to."""
+    carrier = next(one for one in staged_graph.items if one.category == "leisure_sofa")
+    x, y, z = carrier.box.center_m
+    top = Box((x, y, z + carrier.box.size_m[2]), (0.2, 0.2, 0.1), 0.0)
+    seat = Box((x + 0.1, y, z + 0.4), (0.4, 0.2, 0.3), 35.0)
+    facts, room = Facts(rests_on=carrier.id), carrier.room_id
+    things = (
+        Item("bowl", "bowl", top, room, asset=block, facts=facts),
+        Item("cushion", "cushion", seat, room, asset=block, facts=facts),
+    )
+    graph = replace(staged_graph, dressing=things)
+    house = author_stage(graph, tmp_path / "house.usda", seed=3).path
+    assert bodies_and_ties(house) == ({"bowl", "cushion"}, {"cushion"})
+    sentence = "carry the armchair from the balcony into the living room"
+    chord_usd.open(house).edit(sentence, force=True)
+    assert bodies_and_ties(house) == ({"bowl", "cushion"}, {"cushion"})
+    chord_usd.open(house).edit("remove the armchair from the living room", force=True)
+    assert bodies_and_ties(house) == (set(), set())
+
+
+def bodies_and_ties(house: Path) -> tuple[set[str], set[str]]:
+    """Ids of dressing that can move, and of what fixed joints hold where it is."""
+    stage = Usd.Stage.Open(str(house))
+    noted = {prim: prim.GetAttribute("chord:node_id").Get() for prim in stage.Traverse()}
+    joints = [UsdPhysics.Joint(one) for one in noted if one.IsA(UsdPhysics.FixedJoint)]
+    tied = set()
+    for joint in joints:
+        frames = []
+        for body, at, turn in (
+            (joint.GetBody0Rel(), joint.GetLocalPos0Attr(), joint.GetLocalRot0Attr()),
+            (joint.GetBody1Rel(), joint.GetLocalPos1Attr(), joint.GetLocalRot1Attr()),
+        ):
+            prim = stage.GetPrimAtPath(body.GetTargets()[0])
+            assert prim.HasAPI(UsdPhysics.RigidBodyAPI)
+            matrix = UsdGeom.XformCache().GetLocalToWorldTransform(prim)
+            turned = Gf.Rotation(Gf.Quatd(turn.Get())) * matrix.RemoveScaleShear().ExtractRotation()
+            frames.append([*matrix.Transform(Gf.Vec3d(at.Get())), *turned.TransformDir((1, 0, 0))])
+        assert np.allclose(*frames, atol=1e-5)
+        tied.add(noted[prim])
+    moves = {noted[one] for one in noted if one.HasAPI(UsdPhysics.RigidBodyAPI)}
+    return {one for group in groups(stage) if group for one in moves
+            & {noted[prim] for prim in group.GetChildren()}}, tied  # fmt: skip

@@ -15,11 +15,19 @@ import numpy as np
 from pxr import Sdf
 
 from chord_usd.base.scene.articulation import ARTICULATION, FIXED, JOINTED
-from chord_usd.base.scene.geometry import footprint
+from chord_usd.base.scene.geometry import footprint, to_own
 from chord_usd.base.scene.palette import Level, category
 from chord_usd.base.scene.types import Asset, Box, FloatArray, Item
 from chord_usd.line.stage.author.names import NamedItem, NamedRoom
-from chord_usd.line.stage.author.physics import define_colliders, give_body, mass_of, write_collider
+from chord_usd.line.stage.author.physics import (
+    define_colliders,
+    give_body,
+    give_inertia,
+    hold,
+    mass_of,
+    usual_mass_kg,
+    write_collider,
+)
 from chord_usd.line.stage.author.prims import (
     Types,
     add_variants,
@@ -48,8 +56,8 @@ PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""
 
 
-FURNITURE, DRESSING = "Furniture", "Dressing"
-"""Names of the groups of a room that hold its things."""
+FURNITURE, DRESSING, JOINTS = "Furniture", "Dressing", "Joints"
+"""Names of the groups of a room that hold its things, and what ties these to each other."""
 
 
 def place_furniture(
@@ -66,8 +74,16 @@ def place_furniture(
 def place_dressing(
     layer: Sdf.Layer, room: NamedRoom, assets: Packages, scratch: Path, wardrobe: Wardrobe
 ) -> None:
-    """Write the Dressing group of a room; arguments as place_furniture takes."""
-    _place_all(layer, DRESSING, room.dressing, _Shop(room, assets, scratch, wardrobe))
+    """Write the Dressing group of a room; arguments as place_furniture takes.
+
+    What rests on a piece that people move is a body, too: its own, or tied to the piece.
+    """
+    shop = _Shop(room, assets, scratch, wardrobe)
+    _place_all(layer, DRESSING, room.dressing, shop)
+    for named in room.dressing:
+        carrier = shop.carrier_of(named.item)
+        if carrier is not None and _is_tied(named.item, carrier.item, shop):
+            _tie(layer, room.path, named, carrier)
 
 
 def _place_all(layer: Sdf.Layer, name: str, items: Iterable[NamedItem], shop: _Shop) -> None:
@@ -89,6 +105,11 @@ class _Shop:
     def carriers(self) -> dict[str, Item]:
         """Furniture and dressing of the room, by id."""
         return {one.item.id: one.item for one in (*self.named.items, *self.named.dressing)}
+
+    def carrier_of(self, item: Item) -> NamedItem | None:
+        """The furniture of the room on which a thing rests."""
+        rests_on = item.facts.rests_on
+        return next((one for one in self.named.items if one.item.id == rests_on), None)
 
 
 def extent_of(items: Iterable[Item]) -> FloatArray:
@@ -115,6 +136,40 @@ def _place(layer: Sdf.Layer, parent: Sdf.Path, named: NamedItem, shop: _Shop) ->
         _place(layer, items.path, child, shop)
 
 
+def _is_tied(item: Item, carrier: Item, shop: _Shop) -> bool:
+    """Whether a thing that is no body itself rests on a piece that is one."""
+    bodies = (mass_of(item, shop.carriers), mass_of(carrier, shop.carriers))
+    return bodies[0] is None and bodies[1] is not None
+
+
+def _tie(layer: Sdf.Layer, room: str, named: NamedItem, carrier: NamedItem) -> None:
+    """Make a thing a body that a fixed joint holds to its carrier."""
+    groups = f"{room}/{DRESSING}", f"{room}/{FURNITURE}"
+    within = f"{carrier.name}/{carrier.label}" if carrier.children else carrier.name
+    prim = layer.GetPrimAtPath(f"{groups[0]}/{named.name}")
+    box, below = named.item.box, carrier.item.box
+    mass_kg = usual_mass_kg(named.item.category, box.size_m)
+    give_body(prim, mass_kg)
+    give_inertia(prim, mass_kg, box.size_m, _size_m(named.item))
+    joints = layer.GetPrimAtPath(f"{room}/{JOINTS}") or define(layer, f"{room}/{JOINTS}", "Scope")
+    at_m = (*to_own(below, box.center_m[:2]), box.center_m[2] - below.center_m[2])
+    scale = _scale(carrier.item)
+    path = joints.path.AppendChild(named.name)
+    turn_deg = box.yaw_deg - below.yaw_deg
+    hold(layer, path, f"{groups[1]}/{within}", prim.path, at_m / scale, turn_deg)
+
+
+def _size_m(item: Item) -> tuple[float, float, float]:
+    """Size of the component that an item refers to."""
+    return item.asset.size_m if item.asset else (1.0, 1.0, 1.0)
+
+
+def _scale(item: Item) -> FloatArray:
+    """(3,) by which the component of an item fills its box."""
+    scale: FloatArray = np.divide(item.box.size_m, _size_m(item))
+    return scale
+
+
 def _refer(
     layer: Sdf.Layer, path: Sdf.Path, named: NamedItem, shop: _Shop, *, placed: bool
 ) -> None:
@@ -127,11 +182,11 @@ def _refer(
     for variant_set, variant in chosen.items():
         prim.variantSelections[variant_set] = variant
     box: Box = item.box
-    scale = np.array(box.size_m) / np.array(asset.size_m)
+    scale = _scale(item)
     if placed:
-        place(prim, at_m=box.center_m, yaw_deg=box.yaw_deg, scale=scale)
+        place(prim, at_m=box.center_m, yaw_deg=box.yaw_deg, scale=scale.tolist())
     else:
-        place(prim, scale=scale)
+        place(prim, scale=scale.tolist())
     label(prim, "category", item.category)
     note(prim, node_id=item.id, category=item.category, score=item.score, usd_path=str(path))
     if item.facts.ood is not None:
@@ -142,7 +197,10 @@ def _refer(
         note(prim, rests_on=item.facts.rests_on)
     _note_origin(prim, item)
     note_size(prim, box.size_m)
-    mass_kg = mass_of(prim, item, shop.carriers)
+    mass_kg = mass_of(item, shop.carriers)
+    if mass_kg is not None:
+        # Blender's import drops masses; a swap needs one.
+        note(prim, kg_per_m3=category(item.category).kg_per_m3)
     if ARTICULATION in chosen:
         let_open(layer, prim, mass_kg)
         return

@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+import numpy.typing as npt
 from pxr import Gf, Sdf, Vt
 
 from chord_usd.base.scene.articulation import SETTLES_S
@@ -22,7 +24,6 @@ from chord_usd.line.stage.author.prims import (
     apply_schema,
     attribute,
     define,
-    note,
     place,
     relate,
     write_mesh,
@@ -48,8 +49,8 @@ def write_gravity(layer: Sdf.Layer, path: str) -> None:
     attribute(scene, "physics:gravityMagnitude", Types.Float, GRAVITY_M_PER_S2)
 
 
-def mass_of(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> float | None:
-    """Mass in kg of an item that people move, its density noted; None for others.
+def mass_of(item: Item, carriers: Mapping[str, Item]) -> float | None:
+    """Mass in kg of an item that people move; None for others.
 
     carriers: by id. Dressing moves only on floors and on tops: what stands within a piece, on one
     of its boards, would lie in the collider around it.
@@ -61,10 +62,7 @@ def mass_of(prim: Sdf.PrimSpec, item: Item, carriers: Mapping[str, Item]) -> flo
             return None
     if item.category not in having("moved"):
         return None
-    length, width, height = item.box.size_m
-    density = CATEGORIES[item.category].kg_per_m3
-    note(prim, kg_per_m3=density)  # Blender's import drops masses; a swap needs one
-    return density * length * width * height
+    return CATEGORIES[item.category].kg_per_m3 * math.prod(item.box.size_m)
 
 
 def usual_mass_kg(name: str, size_m: tuple[float, float, float]) -> float:
@@ -108,6 +106,29 @@ def hang_leaf(
     attribute(joint, "drive:angular:physics:damping", Types.Float, round(damping, 6))
 
 
+def hold(
+    layer: Sdf.Layer,
+    path: Sdf.Path,
+    carrier: str,
+    carried: Sdf.Path,
+    at: npt.ArrayLike,
+    yaw_deg: float,
+) -> None:
+    """A fixed joint at path between two bodies that may touch each other.
+
+    at: (3,) origin of the carried body in the frame of the carrier, unscaled. yaw_deg: its turn.
+    """
+    joint = define(layer, path, "PhysicsFixedJoint")
+    half = math.radians(yaw_deg) / 2
+    relate(joint, "physics:body0", [carrier])
+    relate(joint, "physics:body1", [carried])
+    attribute(joint, "physics:localPos0", Types.Point3f, Gf.Vec3f(*map(float, np.asarray(at))))
+    turn = Gf.Quatf(math.cos(half), 0.0, 0.0, math.sin(half))
+    attribute(joint, "physics:localRot0", Types.Quatf, turn)
+    attribute(joint, "physics:localPos1", Types.Point3f, Gf.Vec3f(0.0))
+    attribute(joint, "physics:localRot1", Types.Quatf, Gf.Quatf(1.0))
+
+
 def write_feel(material: Sdf.PrimSpec, feel: Feel) -> None:
     """Make a material one that is felt, too."""
     apply_schema(material, "PhysicsMaterialAPI")
@@ -148,3 +169,20 @@ def give_body(prim: Sdf.PrimSpec, mass_kg: float) -> None:
     """Make a prim a rigid body."""
     apply_schema(prim, "PhysicsRigidBodyAPI", "PhysicsMassAPI")
     attribute(prim, "physics:mass", Types.Float, round(mass_kg, 4))
+
+
+def give_inertia(
+    prim: Sdf.PrimSpec,
+    mass_kg: float,
+    size_m: tuple[float, float, float],
+    own_m: tuple[float, float, float],
+) -> None:
+    """Centre and moments of an even box for a body that has no collider to take them from.
+
+    size_m: of the box, which stands on the prim's origin; own_m: its size before the prim's scale.
+    """
+    squares = np.square(size_m)
+    moments = mass_kg * (squares.sum() - squares) / 12
+    attribute(prim, "physics:centerOfMass", Types.Point3f, Gf.Vec3f(0.0, 0.0, own_m[2] / 2))
+    attribute(prim, "physics:diagonalInertia", Types.Float3, Gf.Vec3f(*moments.tolist()))
+    attribute(prim, "physics:principalAxes", Types.Quatf, Gf.Quatf(1.0))

@@ -16,8 +16,8 @@ from chord_usd.base.scene.geometry import to_own, to_world
 from chord_usd.base.scene.types import Box, Provenance, StageFile
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.stage.author.design_notes import forget_design
-from chord_usd.line.stage.author.furniture import DRESSING
-from chord_usd.line.stage.author.prims import Types, apply_schema, attribute, relate
+from chord_usd.line.stage.author.furniture import DRESSING, JOINTS
+from chord_usd.line.stage.author.prims import Types, apply_schema, attribute, define, relate
 from chord_usd.line.stage.author.stage_levels import room_spec, room_specs
 from chord_usd.line.stage.edit.refurnish import (
     NewFurniture,
@@ -147,6 +147,7 @@ def _brought(layer: Sdf.Layer, prim: Sdf.PrimSpec, room_name: str) -> Sdf.PrimSp
     Sdf.CopySpec(layer, old, layer, path)
     del prim.nameParent.nameChildren[prim.name]
     _rename_notes(layer, path, str(old), str(path))
+    _follow(layer, room_name, old, path)
     return layer.GetPrimAtPath(path)
 
 
@@ -160,6 +161,26 @@ def _rename_notes(layer: Sdf.Layer, path: Sdf.Path, old: str, new: str) -> None:
             spec.default = new + value[len(old) :]
 
     layer.Traverse(path, visit)
+
+
+def _follow(layer: Sdf.Layer, room_name: str, old: Sdf.Path, new: Sdf.Path) -> None:
+    """Let joints hold a thing that was brought to another room; they go where the thing goes that
+    they tie, under its name."""
+    ends = "physics:body0", "physics:body1"
+    for room in room_specs(layer):
+        joints = room.nameChildren.get(JOINTS)
+        for joint in list(joints.nameChildren) if joints else ():
+            targets = [joint.relationships[end].targetPathList for end in ends]
+            is_tied = old in targets[1].prependedItems
+            for one in targets:
+                held = [path.ReplacePrefix(old, new) for path in one.prependedItems]
+                one.prependedItems = held
+            if is_tied:
+                there = _room(layer, room_name).path.AppendChild(JOINTS)
+                if not layer.GetPrimAtPath(there):
+                    define(layer, there, "Scope")
+                Sdf.CopySpec(layer, joint.path, layer, there.AppendChild(new.name))
+                del joints.nameChildren[joint.name]
 
 
 def _collect_dressing(layer: Sdf.Layer) -> None:

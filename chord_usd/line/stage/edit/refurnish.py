@@ -37,6 +37,7 @@ from chord_usd.line.stage.author.design_notes import forget_design
 from chord_usd.line.stage.author.furniture import (
     DRESSING,
     FURNITURE,
+    JOINTS,
     place_dressing,
     place_furniture,
 )
@@ -242,6 +243,7 @@ def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.
         for name in list(group.nameChildren.keys()) if group else ():
             if name not in new.kept:
                 del group.nameChildren[name]
+    _untie(layer, room)
     items, hung = (name_items(things, taken=new.kept) for things in (new.items, new.dressing))
     group = room.nameParent.name if room.nameParent.name.startswith(STOREY) else ""
     named = NamedRoom(0, new.room_name, new.room, items, (), hung, group)
@@ -266,6 +268,15 @@ def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.
         forget_design(layer, [new.room_name])
     layer.Save()
     return layer
+
+
+def _untie(layer: Sdf.Layer, room: Sdf.PrimSpec) -> None:
+    """Remove the joints of a room whose ends are gone."""
+    joints = room.nameChildren.get(JOINTS)
+    for joint in list(joints.nameChildren) if joints else ():
+        ends = [end for one in joint.relationships for end in one.targetPathList.prependedItems]
+        if not all(layer.GetPrimAtPath(end) for end in ends):
+            del joints.nameChildren[joint.name]
 
 
 def _light_lamps(layer: Sdf.Layer, room: Sdf.Path, folders: Sequence[Path]) -> None:
