@@ -156,7 +156,10 @@ def _tie(layer: Sdf.Layer, room: str, named: NamedItem, carrier: NamedItem) -> N
     scale = _scale(carrier.item)
     path = joints.path.AppendChild(named.name)
     turn_deg = box.yaw_deg - below.yaw_deg
-    hold(layer, path, f"{groups[1]}/{within}", prim.path, at_m / scale, turn_deg)
+    below_path = f"{groups[1]}/{within}"
+    hold(layer, path, below_path, prim.path, at_m / scale, turn_deg)
+    # Newton refuses joints of bodies that belong to no articulation.
+    apply_schema(layer.GetPrimAtPath(below_path), "PhysicsArticulationRootAPI")
 
 
 def _size_m(item: Item) -> tuple[float, float, float]:
