@@ -21,8 +21,9 @@ from chord_usd.base.metrics.design.home_rules import (
     TELEVISION,
     WARDROBES,
 )
-from chord_usd.base.metrics.design.price import before_leaves, tight
+from chord_usd.base.metrics.design.price import tight
 from chord_usd.base.metrics.design.shell import shells
+from chord_usd.base.metrics.design.shut_leaves import before_leaves, before_walls, stuck
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.metrics.violations import room_faults
@@ -283,7 +284,7 @@ def test_what_parts_two_doors_counts_as_tight() -> None:
     wide, narrow = (
         View(
             shell,
-            (Item("c", "cabinet", Box((deep / 2, 2.5, 0.0), (1.0, deep, 2.0), 90.0), "room"),),
+            (Item("c", "table", Box((deep / 2, 2.5, 0.0), (1.0, deep, 2.0), 90.0), "room"),),
         )
         for deep in (0.6, 1.1)
     )
@@ -306,3 +307,29 @@ def test_a_chair_before_a_flap_is_moved() -> None:
     after = improved(before, lambda _: 0.0, changes_of(before))
     assert not before_leaves(after).any()
     assert seats_at(after) == 2
+
+
+def test_nothing_that_opens_stays_before_a_wall() -> None:
+    """A washing machine across a washroom of 80 cm, where a basin keeps it from the end wall; a
+    cabinet in a corridor, which has walls with more floor before them."""
+    doors = {"washroom": (0.4, 2.9, 0.7), "corridor": (0.6, 4.1, 0.9)}
+    pieces = {
+        "washroom": [("washing_machine", Box((0.5, 0.6, 0.0), (0.6, 0.6, 0.9), -90.0)),
+                     ("washbasin", Box((0.4, 0.15, 0.0), (0.6, 0.3, 0.85), 180.0))],
+        "corridor": [("cabinet", Box((0.3, 1.0, 0.0), (1.0, 0.6, 2.0), 90.0))],
+    }  # fmt: skip
+    sizes = {"washroom": (0.8, 2.8), "corridor": (1.0, 4.0)}
+    left = {}
+    for kind, (x, y, wide) in doors.items():
+        width, length = sizes[kind]
+        room = Room(kind, kind, frozen_array([(0, 0), (width, 0), (width, length), (0, length)]))
+        door = Opening("d", "door", Box((x, y, 0.0), (wide, 0.24, 2.1), 0.0), (kind,))
+        items = tuple(Item(f"{kind}/{name}_0", name, box, kind) for name, box in pieces[kind])
+        house = SceneGraph((room,), (door,), items)
+        shell = shells(house.rooms, house.openings)[kind]
+        assert before_walls(View(shell, items)).any()
+        after = View(shell, tuple(_repaired(house).items))
+        assert not stuck(after).any()
+        left[kind] = after.categories
+    assert left["washroom"] == ["washbasin"]
+    assert "cabinet" in left["corridor"]

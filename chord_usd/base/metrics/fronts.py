@@ -37,10 +37,11 @@ USED_SIDES = {row.name: row.used_from for row in CATEGORIES.values() if row.used
 PASSED_BEFORE_SEATS = having("low_table")
 """One sits down past these."""
 
-OPENING = having("sideboard") | having("laundry") | having("kitchen_unit")
-"""Categories with doors, drawers or flaps..."""
-SWING_M = 0.5
-"""...that swing over so much floor before their front."""
+SWINGS_M = {
+    **dict.fromkeys(having("sideboard") | having("laundry") | having("kitchen_unit"), 0.5),
+    **dict.fromkeys(("washbasin", "bedside_table"), 0.35),
+}
+"""By category with doors, drawers or flaps, how far before its front they swing."""
 
 STRIP_M = (0.05, 0.25)
 """From a front: the strip that SceneEval looks at."""

@@ -22,6 +22,9 @@ from chord_usd.base.metrics.complete import (
     Homely,
     homely_rooms,
 )
+from chord_usd.base.metrics.design.shell import shells
+from chord_usd.base.metrics.design.shut_leaves import stuck
+from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.overlap import Overlap, scene_overlap
 from chord_usd.base.metrics.rooms import is_of_kind, mixed_kind, out_of_room
 from chord_usd.base.metrics.walk import ways_shut
@@ -132,7 +135,8 @@ def room_faults(
 
     Per piece: a total would favour short lists. Pieces that stand in no room of its kind count, as
     a table in a bathroom does. Then essentials that are missing, but for those of excluded
-    categories, by room id, and doors that one does not get to from others of the room.
+    categories, by room id, pieces that a wall keeps shut, which serve as little as missing ones,
+    and doors that one does not get to from others of the room.
 
     unpainted: whether what stands before openings is missing, since the painter may not paint it.
     """
@@ -159,8 +163,11 @@ def room_faults(
             faults[room.id] += WEIGHTS[one.kind] * one.amount / max(1, pieces[room.id])
         elif not _is_excluded(one.other, room, excluded or {}):
             faults[room.id] += WEIGHTS["missing"]
+    known = shells(graph.rooms, graph.openings)
     for room in rooms:
         faults[room.id] += WEIGHTS["before an opening"] * ways_shut(graph, room)
+        view = View(known[room.id], tuple(graph.items_of(room.id)))
+        faults[room.id] += WEIGHTS["missing"] * int(stuck(view).sum())
     return [round(fault, 4) for fault in faults.values()]
 
 

@@ -14,7 +14,7 @@ import shapely
 from chord_usd.base.metrics.clear_floor import BEFORE_WINDOWS, clearances, sides_of
 from chord_usd.base.metrics.complete import TABLES, WALLED
 from chord_usd.base.metrics.footprints import is_underfoot
-from chord_usd.base.metrics.fronts import FRONT, OPENING, SWING_M, floor_before
+from chord_usd.base.metrics.fronts import FRONT, SWINGS_M, floor_before
 from chord_usd.base.places.room_space import take_clearances, take_walls
 from chord_usd.base.places.taken_space import Reason, TakenSpace
 from chord_usd.base.places.tries import beside, over_floor, placed
@@ -106,8 +106,8 @@ class Floor:
     @cached_property
     def _swings(self) -> shapely.Geometry:
         """Floor over which doors, drawers and flaps of furniture swing."""
-        opening = (one.box for one in self.things if one.category in OPENING)
-        floors = [footprint_polygon(floor_before(box, FRONT, 0.0, SWING_M)) for box in opening]
+        floors = [footprint_polygon(floor_before(one.box, FRONT, 0.0, SWINGS_M[one.category]))
+                  for one in self.things if one.category in SWINGS_M]  # fmt: skip
         return shapely.union_all(floors)
 
     def stops_leaves(self, item: Item) -> bool:

@@ -6,16 +6,9 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from chord_usd.base.metrics.design.price import (
-    TIGHT,
-    beyond_walls,
-    leaf_floors,
-    opens,
-    quick_price,
-    stand_before,
-    tight,
-)
+from chord_usd.base.metrics.design.price import TIGHT, beyond_walls, quick_price, tight
 from chord_usd.base.metrics.design.shell import APART_M, TOUCH_M
+from chord_usd.base.metrics.design.shut_leaves import before_walls, leaf_floors, opens, stand_before
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.overlap import overlaps_by_nature
 from chord_usd.base.scene.types import Item
@@ -70,7 +63,7 @@ def _keeping(view: View, changes: Iterable[Change]) -> list[Change]:
 
 def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
     """Those of some changes whose new pieces stand in no others and not in each other, before no
-    opening and no leaf that opens, and within the room."""
+    opening and no leaf that opens, within the room, and open against no wall."""
     there = {id(item): at for at, item in enumerate(view.items)}
     stays = np.zeros((len(changes), len(view.items)), np.bool_)
     new: list[Item] = []
@@ -104,6 +97,6 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
             meets = fresh.rects.of(a).depths_each(leaf_floors(fresh).of(b)) > TOUCH_M
             together[first] |= meets & fresh.stands[a] & opens(fresh)[b]
     wrong = (shut & beside).any(axis=1) | together | deep.any(axis=1) | blocks.any(axis=1)
-    wrong |= beyond_walls(fresh.corners, view.shell) > TOUCH_M
+    wrong |= (beyond_walls(fresh.corners, view.shell) > TOUCH_M) | before_walls(fresh)
     refused = set(number[wrong].tolist())
     return [items for nth, items in enumerate(changes) if nth not in refused]

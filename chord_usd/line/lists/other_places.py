@@ -15,8 +15,9 @@ from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.bedroom_rules import WARDROBE_RULES, bedside, wardrobes
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.living_rules import SINGLES
-from chord_usd.base.metrics.design.price import before_leaves, conflicts, quick_price
+from chord_usd.base.metrics.design.price import conflicts, quick_price
 from chord_usd.base.metrics.design.shell import TOUCH_M
+from chord_usd.base.metrics.design.shut_leaves import shut_in
 from chord_usd.base.metrics.design.view import View, sleepers_of
 from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.types import WET_KINDS, Box, Item
@@ -101,10 +102,11 @@ def moved(view: View) -> Iterator[Change]:
 
 
 def _clashing(view: View) -> set[str]:
-    """Ids of pieces in others, in walls, before openings or leaves, and of pieces with such leaves:
-    as showers before windows, what a room cannot do without is not left out for that."""
-    shut = before_leaves(view)
-    wrong = (conflicts(view) > TOUCH_M).any(axis=1) | shut.any(axis=1) | shut.any(axis=0)
+    """Ids of pieces in others, in walls, before openings or leaves, and of pieces with such leaves,
+    also before walls: as showers before windows, what a room cannot do without is not left out for
+    that."""
+    stopping, stopped = shut_in(view)
+    wrong = (conflicts(view) > TOUCH_M).any(axis=1) | stopping | stopped
     return {item.id for item, is_wrong in zip(view.items, wrong, strict=True) if is_wrong}
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.base.metrics.design.price import broken_share, home_price, room_prices
+from chord_usd.base.metrics.design.shut_leaves import stuck
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import is_to_furnish
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
@@ -21,7 +22,7 @@ from chord_usd.base.places.wall_frames import out_of_walls
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
-from chord_usd.line.lists.changes import Change, Propose, placed_again
+from chord_usd.line.lists.changes import Change, Propose, but, placed_again
 from chord_usd.line.lists.dining_changes import Compose
 from chord_usd.line.lists.improve import LEAST_GAIN, improved
 from chord_usd.line.lists.other_places import changes_of
@@ -71,6 +72,7 @@ def put_back(
                 break
             if not work.change(at, changes_of(now)):
                 break
+        work.change(at, [without_stuck], gain=-_EMPTY)
     work.furnish_empty(set(rooms) - set(decided))
     work.repair(set(rooms) - set(decided), lacking(before) if before else (), compose)
     return _finished(graph, work.made(), finish)
@@ -231,6 +233,13 @@ class _Permits:
 
     def __call__(self, view: View) -> bool:
         return self._faults(view.items) <= self._most
+
+
+def without_stuck(view: View) -> Iterator[Change]:
+    """The room without the pieces that walls keep shut, together and each alone."""
+    shut = [at for at in np.flatnonzero(stuck(view)).tolist() if view.items[at].facts.unit is None]
+    for going in (shut, *([at] for at in shut)) if shut else ():
+        yield but(view, going)
 
 
 def _alone(pieces: Iterator[Item], _: View) -> Iterator[Change]:

@@ -16,12 +16,11 @@ import numpy as np
 
 from chord_usd.base.metrics.design import judged_home, judged_room
 from chord_usd.base.metrics.design.rule import Rule, judge
-from chord_usd.base.metrics.design.shell import CELL_M, TOUCH_M, Rects, Shell, inside
+from chord_usd.base.metrics.design.shell import CELL_M, TOUCH_M, Shell, inside
+from chord_usd.base.metrics.design.shut_leaves import before_leaves, before_walls
 from chord_usd.base.metrics.design.view import HomeView, View, distances, view_home
-from chord_usd.base.metrics.fronts import OPENING, SWING_M
 from chord_usd.base.metrics.overlap import overlaps_by_nature
-from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
-from chord_usd.base.scene.types import BoolArray, ByteArray, FloatArray, SceneGraph
+from chord_usd.base.scene.types import ByteArray, FloatArray, SceneGraph
 
 FAULT = 4.0
 """Of violations.room_faults, beside a share of rules: it counts per piece."""
@@ -66,10 +65,11 @@ def home_price(home: HomeView) -> float:
 
 
 def tight(view: View) -> int:
-    """How many pieces stand in others, in walls, before openings or leaves, how many parts of the
-    floor pieces cut off, and how many ways: an estimate that is fast enough for every draft."""
+    """How many pieces stand in others, in walls, before openings or leaves, or open against walls,
+    how many parts of the floor pieces cut off, and how many ways: an estimate that is fast enough
+    for every draft."""
     wrong = (conflicts(view) > TOUCH_M).any(axis=1) | before_leaves(view).any(axis=1)
-    return int(wrong.sum()) + cut_off(view)
+    return int((wrong | before_walls(view)).sum()) + cut_off(view)
 
 
 def cut_off(view: View) -> int:
@@ -135,7 +135,7 @@ def quick_price(view: View, faults: int | None = None) -> float:
 def room_prices(graph: SceneGraph, faults: Mapping[str, float]) -> dict[str, float]:
     """What each room of a house costs, by id. faults: of violations.room_faults, by room id."""
     return {
-        room.shell.room.id: broken_share(room) + FAULT * faults.get(room.shell.room.id, 0.0)
+        room.shell.room.id: quick_price(room) + FAULT * faults.get(room.shell.room.id, 0.0)
         for room in view_home(graph).rooms
     }
 
@@ -143,34 +143,3 @@ def room_prices(graph: SceneGraph, faults: Mapping[str, float]) -> dict[str, flo
 def house_price(graph: SceneGraph, faults: Mapping[str, float]) -> float:
     """What a house costs."""
     return sum(room_prices(graph, faults).values()) + home_price(view_home(graph))
-
-
-# What stands where doors, drawers and flaps of furniture swing -----------------------------------
-
-
-def before_leaves(view: View) -> BoolArray:
-    """(N, N) which pieces stand before others that open. Kitchen units before each other are left
-    out: what opens in a corner of a run is decided where runs are composed."""
-    is_unit = np.array([name in KITCHEN_UNITS for name in view.categories], np.bool_)
-    before = stand_before(view, view) & ~(is_unit[:, None] & is_unit[None])
-    np.fill_diagonal(before, val=False)
-    return before
-
-
-def stand_before(view: View, others: View) -> BoolArray:
-    """(N, M) which pieces of one view stand where leaves of others swing."""
-    meets: BoolArray = view.rects.depths(leaf_floors(others)) > TOUCH_M
-    return meets & view.stands[:, None] & opens(others)[None]
-
-
-def opens(view: View) -> BoolArray:
-    """(N,) which pieces have leaves."""
-    return np.array([name in OPENING for name in view.categories], np.bool_)
-
-
-def leaf_floors(view: View) -> Rects:
-    """The floor before each piece that its leaves need to open."""
-    half = np.stack([np.maximum(view.length / 2 - 2 * TOUCH_M, 0.0),
-                     np.full(len(view.items), SWING_M / 2)], axis=-1)  # fmt: skip
-    at = view.at + view.front * (view.depth / 2 + SWING_M / 2)[:, None]
-    return Rects(at, view.right, view.front, half)

@@ -80,8 +80,8 @@ class Rects:
         found: FloatArray = np.maximum(deep, 0.0)
         return found
 
-    def of(self, numbers: npt.NDArray[np.intp]) -> Rects:
-        """Those of these numbers."""
+    def of(self, numbers: npt.NDArray[np.intp] | BoolArray) -> Rects:
+        """Those of these numbers, or of a mask."""
         return Rects(*(own[numbers] for own in (self.at, self.right, self.front, self.half)))
 
     def depths_each(self, others: Rects) -> FloatArray:
@@ -95,6 +95,20 @@ class Rects:
                 deep = np.minimum(deep, reach)
         found: FloatArray = np.maximum(deep, 0.0)
         return found
+
+    def crossed_by(self, lines: FloatArray) -> BoolArray:
+        """(N,) whether any of these lines (L, 2, 2) reaches farther into each than a touch."""
+        enter, leave = np.zeros((len(self.at), len(lines))), np.ones((len(self.at), len(lines)))
+        for axis, half in ((self.right, self.half[:, :1]), (self.front, self.half[:, 1:])):
+            along = lines @ axis.T - (self.at * axis).sum(axis=1)
+            first, last = along[:, 0].T, along[:, 1].T
+            run = np.where(last == first, 1e-9, last - first)
+            reach = np.maximum(half - TOUCH_M, 0.0)
+            one, other = (-reach - first) / run, (reach - first) / run
+            enter = np.maximum(enter, np.minimum(one, other))
+            leave = np.minimum(leave, np.maximum(one, other))
+        crossed: BoolArray = (enter < leave).any(axis=1)
+        return crossed
 
     def _into(self, others: Rects) -> FloatArray:
         """(N, M) how far the corners of others reach into each along its axes."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from chord_usd.base.metrics.design.screens import Screen, planned_screen
 from chord_usd.base.metrics.design.shell import TOUCH_M, Hole, Rects, Shell, shells
+from chord_usd.base.metrics.fronts import SWINGS_M
 from chord_usd.base.metrics.walk import entrance
 from chord_usd.base.scene.geometry import footprint, room_polygon
 from chord_usd.base.scene.palette import having
@@ -65,6 +66,11 @@ class View:
             self.at, self.right, self.front, np.stack([self.length, self.depth], axis=-1) / 2
         )
         self._segments = np.concatenate([self.edges.reshape(-1, 2, 2), self.shell.walls])
+
+    @cached_property
+    def swings_m(self) -> FloatArray:
+        """(N,) how far before each piece its leaves swing; 0 without leaves."""
+        return np.array([SWINGS_M.get(name, 0.0) for name in self.categories])
 
     def of(self, *categories: str) -> list[int]:
         """Numbers of the pieces of these categories."""
