@@ -180,10 +180,10 @@ class _House:
 
 
 def _dress_room(frame: RoomFrame, view: View, is_watched_in: bool) -> None:
+    if is_watched_in or view.shell.is_lived_in:  # before curtains, which fit beside it
+        hang_television(frame, view)
     dress_windows(frame)
     dress_ceilings(frame)
-    if is_watched_in or view.shell.is_lived_in:
-        hang_television(frame, view)
     if frame.kind == "kitchen" or frame.of("cooker_cabinet", "sink_cabinet"):
         dress_kitchen(frame)
     if frame.kind in WET_KINDS or frame.of("washbasin"):

@@ -8,7 +8,7 @@ import numpy as np
 
 from chord_usd.base.metrics.design.price import TIGHT, beyond_walls, quick_price, tight
 from chord_usd.base.metrics.design.shell import APART_M, TOUCH_M
-from chord_usd.base.metrics.design.shut_leaves import before_walls, leaf_floors, opens, stand_before
+from chord_usd.base.metrics.design.shut_leaves import before_walls, opens, stand_before
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.overlap import overlaps_by_nature
 from chord_usd.base.scene.types import Item
@@ -94,7 +94,7 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
         for one in first[into].tolist():
             together[one] |= not overlaps_by_nature(new[one], new[one + step])
         for a, b in ((first, first + step), (first + step, first)):
-            meets = fresh.rects.of(a).depths_each(leaf_floors(fresh).of(b)) > TOUCH_M
+            meets = fresh.rects.of(a).depths_each(fresh.leaf_floors().of(b)) > TOUCH_M
             together[first] |= meets & fresh.stands[a] & opens(fresh)[b]
     wrong = (shut & beside).any(axis=1) | together | deep.any(axis=1) | blocks.any(axis=1)
     wrong |= (beyond_walls(fresh.corners, view.shell) > TOUCH_M) | before_walls(fresh)

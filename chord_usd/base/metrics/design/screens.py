@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from chord_usd.base.metrics.design.shell import TOUCH_M, Rects
 from chord_usd.base.scene.types import Box, FloatArray
 from chord_usd.base.scene.units import wrap_deg
 
@@ -65,13 +66,17 @@ class Screen:
 
 
 def planned_screen(view: View) -> Box | None:
-    """The largest screen that a wall of a room has place for."""
-    return next((box for size_m in SIZES_M for box in places_on_walls(view, size_m)), None)
+    """The largest screen that a wall of a room has place for, beside doors of cabinets."""
+    leaves = view.leaf_floors().of((view.swings_m > 0) & (view.height > BASE_M))
+    boxes = [box for size_m in SIZES_M for box in places_on_walls(view, size_m)]
+    shut = (Rects.of_boxes(boxes).depths(leaves) > TOUCH_M).any(axis=1)
+    return next((box for box, is_shut in zip(boxes, shut, strict=True) if not is_shut), None)
 
 
 def places_on_walls(view: View, size_m: tuple[float, float, float]) -> Iterator[Box]:
     """Where a screen may hang before the longest sofa, or else a bed, from the middle of its view
-    outwards: clear of openings, and of pieces higher than its lower edge."""
+    outwards: clear of openings, and of pieces higher than its lower edge. Of each bare stretch of
+    wall its ends are among them."""
     seats = view.of("sofa") or view.of("bed")
     sofa = max(seats, key=lambda at: view.length[at], default=None)
     if sofa is None:
@@ -90,11 +95,14 @@ def places_on_walls(view: View, size_m: tuple[float, float, float]) -> Iterator[
         axis = float((view.at[sofa] - start) @ along)
         half = size_m[0] / 2
         for low, high in _free_spans(view, start, along, inward, long):
-            if high - low >= size_m[0]:
-                s = min(max(axis, low + half), high - half)
-                if math.degrees(math.atan2(abs(s - axis), away)) <= MOST_ASIDE_DEG:
+            if high - low < size_m[0]:
+                continue
+            aside = away * math.tan(math.radians(MOST_ASIDE_DEG))
+            first, last = max(low + half, axis - aside), min(high - half, axis + aside)
+            yaw = wrap_deg(math.degrees(math.atan2(inward[0], -inward[1])))
+            for s in dict.fromkeys((min(max(axis, first), last), first, last)):
+                if first <= s <= last:
                     x, y = (start + along * s + inward * size_m[1] / 2).tolist()
-                    yaw = wrap_deg(math.degrees(math.atan2(inward[0], -inward[1])))
                     found.append((abs(s - axis), Box((x, y, BASE_M), size_m, round(yaw, 6))))
     yield from (box for _, box in sorted(found, key=lambda one: one[0]))
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from chord_usd.base.metrics.design.shell import TOUCH_M, Rects
+from chord_usd.base.metrics.design.shell import TOUCH_M
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.scene.types import BoolArray
@@ -36,7 +36,7 @@ def stand_before(view: View, others: View) -> BoolArray:
     swing = opens(others)
     meets = np.zeros((len(view.items), len(others.items)), np.bool_)
     if swing.any():
-        meets[:, swing] = view.rects.depths(leaf_floors(others).of(swing)) > TOUCH_M
+        meets[:, swing] = view.rects.depths(others.leaf_floors().of(swing)) > TOUCH_M
     return meets & view.stands[:, None]
 
 
@@ -44,7 +44,7 @@ def before_walls(view: View, share: float = 1.0) -> BoolArray:
     """(N,) which pieces open against a wall. share: of the floor that their leaves need."""
     stopped = opens(view)
     if stopped.any():
-        stopped[stopped] = leaf_floors(view, share).of(stopped).crossed_by(view.shell.walls)
+        stopped[stopped] = view.leaf_floors(share).of(stopped).crossed_by(view.shell.walls)
     return stopped
 
 
@@ -56,11 +56,3 @@ def stuck(view: View) -> BoolArray:
 def opens(view: View) -> BoolArray:
     """(N,) which pieces have leaves."""
     return view.swings_m > 0
-
-
-def leaf_floors(view: View, share: float = 1.0) -> Rects:
-    """The floor before each piece that its leaves need to open, or a share of it."""
-    deep = view.swings_m * share / 2
-    half = np.stack([np.maximum(view.length / 2 - 2 * TOUCH_M, 0.0), deep], axis=-1)
-    at = view.at + view.front * (view.depth / 2 + deep)[:, None]
-    return Rects(at, view.right, view.front, half)

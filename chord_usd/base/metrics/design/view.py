@@ -72,6 +72,13 @@ class View:
         """(N,) how far before each piece its leaves swing; 0 without leaves."""
         return np.array([SWINGS_M.get(name, 0.0) for name in self.categories])
 
+    def leaf_floors(self, share: float = 1.0) -> Rects:
+        """The floor before each piece that its leaves need to open, or a share of it."""
+        deep = self.swings_m * share / 2
+        half = np.stack([np.maximum(self.length / 2 - 2 * TOUCH_M, 0.0), deep], axis=-1)
+        at = self.at + self.front * (self.depth / 2 + deep)[:, None]
+        return Rects(at, self.right, self.front, half)
+
     def of(self, *categories: str) -> list[int]:
         """Numbers of the pieces of these categories."""
         return [at for at, name in enumerate(self.categories) if name in categories]
