@@ -13,6 +13,7 @@ import pytest
 import shapely
 
 from chord_usd.base.metrics.clear_floor import clearances, enters_height, shut_borders
+from chord_usd.base.metrics.design.view import view_home
 from chord_usd.base.metrics.fronts import FRONT, STRIP_M, USED_SIDES, floor_before, shut_fronts
 from chord_usd.base.metrics.walk import entrance, free_floor, walk
 from chord_usd.base.scene.geometry import (
@@ -405,3 +406,21 @@ def test_an_own_asset_without_the_tag_replaces_no_shipped_one_that_has_it() -> N
     tagged = replace(mine, tags=("open",))
     stock = Stock(AssetDatabase((tagged, shipped), own=frozenset(["Mine"])), "modern", Draws(0))
     assert stock.offered("curtain", "open") == (tagged,)
+
+
+def test_a_television_that_rules_count_on_a_wall_hangs() -> None:
+    """As deep as those of ours, on a wall that curtains also want; these fit beside it."""
+    deep = [replace(one, size_m=(one.size_m[0], 0.06, one.size_m[2]))
+            for one in STOCK.of_category("television")]  # fmt: skip
+    stock = AssetDatabase(
+        tuple(one for one in STOCK.assets if one not in STOCK.of_category("television"))
+        + tuple(deep)
+    )
+    room = Room("room", "living", frozen_array([(0, 0), (2.55, 0), (2.55, 3.6), (0, 3.6)]))
+    window = Opening("w", "window", Box((0.7, 3.72, 0.4), (1.2, 0.24, 1.6), 0.0), ("room",))
+    sofa = Item("room/sofa_0", "sofa", Box((1.35, 0.5, 0.0), (1.6, 0.9, 0.8), 180.0), "room")
+    house = SceneGraph((room,), (window,), (sofa,))
+    assert view_home(house).rooms[0].televisions
+    hung = Counter(item.category for item in dress(house, stock, STYLES[STYLE[0]], 5).dressing)
+    assert hung["television"] == 1
+    assert hung["curtain"]

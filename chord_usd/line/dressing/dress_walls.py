@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
-from chord_usd.base.metrics.design.screens import places_on_walls
+from chord_usd.base.metrics.design.screens import BESIDE_CURTAINS_M, BESIDE_M, places_on_walls
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.places.wall_frames import BEHIND_M, Hole, WallFace
 from chord_usd.base.scene.geometry import front_direction, to_world
@@ -45,10 +46,9 @@ def hang_television(frame: RoomFrame, view: View) -> None:
     they are bare."""
     if len(view.of("tv_cabinet")) > len(view.bare):
         return
-    for asset in sorted(
-        frame.stock.offered("television"), key=lambda one: (-one.size_m[0], one.id)
-    ):
-        for box in places_on_walls(view, asset.size_m):
+    largest = sorted(frame.stock.offered("television"), key=lambda one: (-one.size_m[0], one.id))
+    for beside_m, asset in product((BESIDE_CURTAINS_M, BESIDE_M), largest):
+        for box in places_on_walls(view, asset.size_m, beside_m):
             step = BEHIND_M * front_direction(box.yaw_deg)
             x, y, z = box.center_m
             off_wall = replace(box, center_m=(x + float(step[0]), y + float(step[1]), z))

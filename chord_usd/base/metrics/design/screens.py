@@ -25,8 +25,9 @@ _FARTHEST = 2.5
 """Diagonals from which a screen smaller than the first is seen (THX, SMPTE)."""
 MOST_ASIDE_DEG = 19.0
 _OPPOSED = -0.97
-_BESIDE_M = 0.1
-"""From a screen to an opening or to a piece that is higher than BASE_M."""
+BESIDE_M, BESIDE_CURTAINS_M = 0.1, 0.36
+"""From a screen to an opening or to a piece that is higher than BASE_M; the same where curtains are
+drawn aside."""
 _NEAR_WALL_M = 0.3
 _HIDES_M = 1.05
 """Pieces higher than this hide a screen; backs of chairs do not."""
@@ -73,10 +74,12 @@ def planned_screen(view: View) -> Box | None:
     return next((box for box, is_shut in zip(boxes, shut, strict=True) if not is_shut), None)
 
 
-def places_on_walls(view: View, size_m: tuple[float, float, float]) -> Iterator[Box]:
+def places_on_walls(
+    view: View, size_m: tuple[float, float, float], beside_m: float = BESIDE_M
+) -> Iterator[Box]:
     """Where a screen may hang before the longest sofa, or else a bed, from the middle of its view
     outwards: clear of openings, and of pieces higher than its lower edge. Of each bare stretch of
-    wall its ends are among them."""
+    wall its ends are among them. beside_m: from openings and such pieces."""
     seats = view.of("sofa") or view.of("bed")
     sofa = max(seats, key=lambda at: view.length[at], default=None)
     if sofa is None:
@@ -94,7 +97,7 @@ def places_on_walls(view: View, size_m: tuple[float, float, float]) -> Iterator[
             continue
         axis = float((view.at[sofa] - start) @ along)
         half = size_m[0] / 2
-        for low, high in _free_spans(view, start, along, inward, long):
+        for low, high in _free_spans(view, start, along, inward, long, beside_m):
             if high - low < size_m[0]:
                 continue
             aside = away * math.tan(math.radians(MOST_ASIDE_DEG))
@@ -108,11 +111,16 @@ def places_on_walls(view: View, size_m: tuple[float, float, float]) -> Iterator[
 
 
 def _free_spans(
-    view: View, start: FloatArray, along: FloatArray, inward: FloatArray, long: float
+    view: View,
+    start: FloatArray,
+    along: FloatArray,
+    inward: FloatArray,
+    long: float,
+    beside_m: float,
 ) -> list[tuple[float, float]]:
     """Stretches of a wall without openings and high pieces."""
     lines = [(hole.ends, _NEAR_WALL_M) for hole in view.shell.holes]
-    lines += [(view.corners[at], _NEAR_WALL_M if view.height[at] > _HIDES_M else _BESIDE_M)
+    lines += [(view.corners[at], _NEAR_WALL_M if view.height[at] > _HIDES_M else BESIDE_M)
               for at in range(len(view.items))
               if view.stands[at] and view.height[at] > BASE_M]  # fmt: skip
     spans = [(0.0, long)]
@@ -120,7 +128,7 @@ def _free_spans(
         s, v = (points - start) @ along, (points - start) @ inward
         if v.min() > near or v.max() < -near:
             continue
-        low, high = float(s.min()) - _BESIDE_M, float(s.max()) + _BESIDE_M
+        low, high = float(s.min()) - beside_m, float(s.max()) + beside_m
         spans = [
             (first, last)
             for a, b in spans
