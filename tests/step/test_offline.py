@@ -8,8 +8,11 @@ import shlex
 import socket
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from string import Formatter
 
 import cv2
 import numpy as np
@@ -143,35 +146,45 @@ def environment(home: Path) -> dict[str, str]:
 
 @pytest.fixture(scope="module")
 def inputs(
-    tmp_path_factory: pytest.TempPathFactory, environment: dict[str, str]
-) -> dict[str, Path]:
-    """What the examples start from, made by the verbs themselves."""
+    run_cli: Callable[..., subprocess.CompletedProcess[str]],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Callable[[str], Path]:
+    """What the examples start from by its name, made by the verbs when it is first asked for."""
     base = tmp_path_factory.mktemp("inputs")
-    found = {
-        "plan": ROOT / "examples" / "studio.png",
-        "scene": ROOT / "tests" / "fixtures" / "furnished_house.json",
-        "house": base / "house.usda",
-        "job": base / "job",
-        "layout": base / "layout.png",
-        "houses": base / "houses",
-        "models": base / "models",
-        "open_plan": base / "open.png",
+
+    def by_verb(*words: object) -> Path:
+        assert run_cli(*words).returncode == 0
+        return Path(str(words[words.index("-o") + 1]))
+
+    def open_plan() -> Path:
+        drawn = np.full((256, 256, 3), 255, np.uint8)
+        cv2.rectangle(drawn, (30, 40), (220, 200), (0, 0, 0), 5)
+        cv2.imwrite(str(base / "open.png"), drawn)
+        return base / "open.png"
+
+    def models() -> Path:
+        (base / "models").mkdir()
+        trimesh.creation.box((0.5, 0.9, 0.5)).export(base / "models" / "chair.obj")
+        row = {"file": "chair.obj", "category": "chair", "licence": "CC0-1.0", "author": "Jo"}
+        (base / "models" / "manifest.json").write_text(json.dumps([row]))
+        return base / "models"
+
+    makers: dict[str, Callable[[], Path]] = {
+        "plan": lambda: ROOT / "examples" / "studio.png",
+        "scene": lambda: ROOT / "tests" / "fixtures" / "furnished_house.json",
+        "house": lambda: by_verb("stage", made("scene"), "-o", base / "house.usda"),
+        "job": lambda: by_verb("farm", "bundle", made("house"), "-o", base / "job"),
+        "layout": lambda: by_verb("layout", made("plan"), "-o", base / "layout.png", "--steps", 1),
+        "houses": lambda: by_verb("dataset", "synth", "-o", base / "houses", "--count", 2),
+        "models": models,
+        "open_plan": open_plan,
     }
-    for words in (
-        ["stage", found["scene"], "-o", found["house"]],
-        ["farm", "bundle", found["house"], "-o", found["job"]],
-        ["layout", found["plan"], "-o", found["layout"], "--steps", "1"],
-        ["dataset", "synth", "-o", found["houses"], "--count", "2"],
-    ):
-        subprocess.run([*CLI, *map(str, words)], env=environment, check=True, capture_output=True)
-    drawn = np.full((256, 256, 3), 255, np.uint8)
-    cv2.rectangle(drawn, (30, 40), (220, 200), (0, 0, 0), 5)
-    cv2.imwrite(str(found["open_plan"]), drawn)
-    found["models"].mkdir()
-    trimesh.creation.box((0.5, 0.9, 0.5)).export(found["models"] / "chair.obj")
-    row = {"file": "chair.obj", "category": "chair", "licence": "CC0-1.0", "author": "Jo"}
-    (found["models"] / "manifest.json").write_text(json.dumps([row]))
-    return found
+
+    @cache
+    def made(name: str) -> Path:
+        return makers[name]()
+
+    return made
 
 
 def test_every_verb_has_an_example() -> None:
@@ -221,11 +234,12 @@ def test_the_check_lets_loopback_pass(family: int, tmp_path: Path) -> None:
     ],
 )
 def test_nothing_leaves(
-    verb: str, inputs: dict[str, Path], environment: dict[str, str], tmp_path: Path
+    verb: str, inputs: Callable[[str], Path], environment: dict[str, str], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
     out.mkdir()
-    words = shlex.split(ALL[verb].format(out=out, **inputs))
+    named = {name for _, name, _, _ in Formatter().parse(ALL[verb]) if name} - {"out"}
+    words = shlex.split(ALL[verb].format(out=out, **{name: inputs(name) for name in named}))
     if verb == "mcp":
         pytest.importorskip("mcp", reason="the extra mcp is not installed")
     if verb == "serve" and not find_spec("nicegui"):
