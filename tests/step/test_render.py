@@ -19,7 +19,7 @@ import pytest
 from golden import require_alike
 from PIL import Image
 from pxr import Sdf, Usd, UsdGeom, UsdUtils
-from render_house import SIZE_PX, TINY, define_box, paint_red, write_house
+from render_house import FROM_ABOVE, SIZE_PX, TINY, define_box, paint_red, write_house
 from scipy.stats import spearmanr
 
 from chord_usd import cli
@@ -206,7 +206,7 @@ def test_a_stage_without_a_file_is_refused_until_it_comes(house, pictures, tmp_p
     ):
         render_stage(lacking, tmp_path / "pictures", TINY)
     assert not (tmp_path / "pictures").exists()
-    options = replace(TINY, cameras=("Top",), allow_missing=True, skip_existing=True)
+    options = replace(FROM_ABOVE, allow_missing=True, skip_existing=True)
     plain = render_stage(lacking, tmp_path / "pictures", options)
     assert "1 file is missing" in plain.warnings[0]
     texture.write_bytes(data)
@@ -276,8 +276,7 @@ def test_a_packed_house_looks_as_its_files_do(
 def test_a_packed_stage_brings_its_textures(house, tmp_path):
     packed = tmp_path / "house.usdz"
     assert UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(house)), str(packed))
-    options = replace(TINY, cameras=("Top",))
-    (file,) = render_stage(packed, tmp_path / "pictures", options).pictures
+    (file,) = render_stage(packed, tmp_path / "pictures", FROM_ABOVE).pictures
     floor = rgb(file)[18:33, 36:50]
     assert (floor[..., 0] > 1.5 * floor[..., 2]).mean() > 0.8
 
@@ -380,7 +379,8 @@ def test_an_interrupt_ends_blender_and_leaves_no_part(house, tmp_path):
     code = (
         "import sys; from pathlib import Path\n"
         "from chord_usd.line.image.render import RenderOptions, render_stage\n"
-        "options = RenderOptions(cameras=('Bedroom_0',), device='cpu', samples=60000)\n"
+        "options = RenderOptions(\n"
+        "    cameras=('Bedroom_0',), device='cpu', samples=60000, exposure_ev=0.0)\n"
         "told = lambda done, total: print(done, flush=True)\n"
         "render_stage(Path(sys.argv[1]), Path(sys.argv[2]), options, told)\n"
     )
@@ -429,7 +429,7 @@ def tiny_disk(tmp_path):
 
 def test_a_full_disk_leaves_no_picture(house, tiny_disk):
     """Blender itself says "Saved" and goes on."""
-    options = RenderOptions(cameras=("Top",), resolution_px=(160, 90), samples=1, device="cpu")
+    options = replace(FROM_ABOVE, resolution_px=(160, 90), samples=1)
     with pytest.raises(OutputError, match="the disk is full"):
         render_stage(house, tiny_disk, options)
     assert list(tiny_disk.iterdir()) == []

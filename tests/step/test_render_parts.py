@@ -17,6 +17,7 @@ from chord_usd.line.image.made import settings_record
 from chord_usd.line.image.options import RenderOptions
 from chord_usd.line.image.products import read_mask
 from chord_usd.line.image.render import render_stage
+from tests.every import later
 
 SIZE_PX = (32, 19)
 """An odd height: bands of 9 and 10 rows."""
@@ -24,6 +25,9 @@ SIZE_PX = (32, 19)
 WANTED = replace(
     TINY, cameras=("Bedroom_0",), resolution_px=SIZE_PX, passes=("rgb", "depth", "instance")
 )
+"""Each part meters the light of the whole picture, which takes as long as the part."""
+
+FIXED = replace(WANTED, exposure_ev=0.0)
 DIVISION = [((tile, 2), (block, 2)) for tile in range(2) for block in range(2)]
 
 
@@ -32,29 +36,34 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_house(tmp_path_factory.mktemp("house") / "house.usda")
 
 
+@pytest.fixture(scope="module", params=[FIXED, *later(WANTED)], ids=["fixed", "metered"])
+def wanted(request: pytest.FixtureRequest) -> RenderOptions:
+    return request.param  # type: ignore[no-any-return]
+
+
 @pytest.fixture(scope="module")
-def parts(house: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def parts(house: Path, wanted: RenderOptions, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the four parts of a picture, the last one made first."""
     folder = tmp_path_factory.mktemp("parts")
     for tile, block in reversed(DIVISION):
-        made = render_stage(house, folder, replace(WANTED, tile=tile, sample_block=block))
+        made = render_stage(house, folder, replace(wanted, tile=tile, sample_block=block))
         assert len(made.files) == 1
     return folder
 
 
 @pytest.fixture(scope="module")
-def merged(house: Path, parts: Path) -> Path:
-    made = render_stage(house, parts, replace(WANTED, merge=True))
+def merged(house: Path, parts: Path, wanted: RenderOptions) -> Path:
+    made = render_stage(house, parts, replace(wanted, merge=True))
     assert made.pictures == (parts / "Bedroom_0.png",)
     return parts
 
 
 @pytest.fixture(scope="module")
-def whole(house: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(house: Path, wanted: RenderOptions, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same picture as a single part."""
     folder = tmp_path_factory.mktemp("whole")
-    render_stage(house, folder, replace(WANTED, tile=(0, 1)))
-    render_stage(house, folder, replace(WANTED, merge=True))
+    render_stage(house, folder, replace(wanted, tile=(0, 1)))
+    render_stage(house, folder, replace(wanted, merge=True))
     return folder
 
 
@@ -101,9 +110,9 @@ def test_equal_blocks_of_tiles_make_exactly_the_whole_picture(merged: Path, whol
 
 
 def test_a_tile_is_the_same_pixels_as_in_the_whole(
-    house: Path, whole: Path, tmp_path: Path
+    house: Path, whole: Path, wanted: RenderOptions, tmp_path: Path
 ) -> None:
-    render_stage(house, tmp_path, replace(WANTED, tile=(1, 3)))
+    render_stage(house, tmp_path, replace(wanted, tile=(1, 3)))
     tile = light_of(tmp_path / "Bedroom_0.tile-1-of-3.block-0-of-1.exr")
     linear = light_of(whole / "Bedroom_0.tile-0-of-1.block-0-of-1.exr")
     np.testing.assert_array_equal(tile, linear[19 // 3 : 19 * 2 // 3])
@@ -117,45 +126,49 @@ def test_a_merged_picture_has_its_annotations(merged: Path) -> None:
 
 
 def test_finished_parts_are_skipped_and_damaged_ones_made_again(
-    house: Path, parts: Path, tmp_path: Path
+    house: Path, parts: Path, wanted: RenderOptions, tmp_path: Path
 ) -> None:
     for tile, block in DIVISION:
         source = part(parts, tile[0], block[0])
         (tmp_path / source.name).write_bytes(source.read_bytes())
-    options = replace(WANTED, tile=(0, 2), sample_block=(0, 2), skip_existing=True)
+    options = replace(wanted, tile=(0, 2), sample_block=(0, 2), skip_existing=True)
     assert render_stage(house, tmp_path, options).rendered == 0
     damaged = part(tmp_path, 0, 0)
     channels, header = read_exr(damaged)
     channels["R"] = channels["R"] + 0.5
     write_exr(damaged, channels, {"chordPart": str(header["chordPart"])})
     with pytest.raises(RenderError, match=r"tile-0-of-2\.block-0-of-2\.exr: is damaged"):
-        render_stage(house, tmp_path, replace(WANTED, merge=True))
+        render_stage(house, tmp_path, replace(wanted, merge=True))
     assert render_stage(house, tmp_path, options).rendered == 1
     np.testing.assert_array_equal(light_of(damaged), light_of(part(parts, 0, 0)))
 
 
 def test_a_missing_part_is_named_with_the_options_that_make_it(
-    parts: Path, house, tmp_path
+    parts: Path, house: Path, wanted: RenderOptions, tmp_path: Path
 ) -> None:
     for source in (part(parts, 0, 0), part(parts, 0, 1), part(parts, 1, 1)):
         (tmp_path / source.name).write_bytes(source.read_bytes())
     with pytest.raises(RenderError, match=r"is missing.*Try: --tile 1/2 --sample-block 0/2"):
-        render_stage(house, tmp_path, replace(WANTED, merge=True))
+        render_stage(house, tmp_path, replace(wanted, merge=True))
     assert len(list(tmp_path.iterdir())) == 3
 
 
 @pytest.mark.parametrize("change", [{"samples": 8}, {"seed": 3}, {"resolution_px": (32, 20)}])
-def test_parts_of_another_picture_are_refused(house: Path, parts: Path, change: dict) -> None:
+def test_parts_of_another_picture_are_refused(
+    house: Path, parts: Path, wanted: RenderOptions, change: dict
+) -> None:
     """Cycles itself would average blocks of unequal size as if they were equal."""
     with pytest.raises(RenderError, match="was made with other options"):
-        render_stage(house, parts, replace(WANTED, merge=True, **change))
+        render_stage(house, parts, replace(wanted, merge=True, **change))
 
 
-def test_two_divisions_in_one_folder_are_refused(house: Path, parts: Path, tmp_path: Path) -> None:
+def test_two_divisions_in_one_folder_are_refused(
+    house: Path, parts: Path, wanted: RenderOptions, tmp_path: Path
+) -> None:
     for name in (part(parts, 0, 0).name, "Bedroom_0.tile-0-of-3.block-0-of-1.exr"):
         (tmp_path / name).write_bytes(part(parts, 0, 0).read_bytes())
     with pytest.raises(RenderError, match="more than one division"):
-        render_stage(house, tmp_path, replace(WANTED, merge=True))
+        render_stage(house, tmp_path, replace(wanted, merge=True))
 
 
 def test_a_part_says_nothing_of_a_whole_picture() -> None:
