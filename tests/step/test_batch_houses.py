@@ -5,22 +5,32 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from chord_usd.base.scene.chord_json import write_plan
 from chord_usd.line.stage.check.check_stage import check_stage
+from chord_usd.workshop.data.houses import random_plan
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 PLAIN = ["--steps", "1", "--redraws", "0", "--no-tabletop", "--no-dressing"]
 QUICK = [*PLAIN, "--workers", "1", "--json"]
 PICTURES = ["--renders", "--quality", "draft", "--samples", "1", "--resolution", "32x18"]
 
 
 @pytest.fixture(scope="module")
-def folder(run_cli, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A home of two rooms: each camera costs seconds."""
+    path = tmp_path_factory.mktemp("plans") / "studio.json"
+    write_plan(random_plan(np.random.default_rng(1), rooms=2), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(run_cli, plan: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One house with pictures, and one plan that is none."""
     folder = tmp_path_factory.mktemp("batch")
     (folder / "broken.png").write_text("not a picture")
-    plans = [EXAMPLES / "studio.png", folder / "broken.png"]
+    plans = [plan, folder / "broken.png"]
     done = run_cli("batch", *plans, "-o", folder / "houses", *QUICK, *PICTURES)
     assert done.returncode == 1, done.stderr
     told = json.loads(done.stdout)
@@ -45,19 +55,19 @@ def test_a_house_is_whole_and_its_folder_can_be_moved(folder: Path, tmp_path: Pa
 
 
 @pytest.mark.acceptance
-def test_only_what_is_damaged_is_made_again(run_cli, folder: Path) -> None:
+def test_only_what_is_damaged_is_made_again(run_cli, plan: Path, folder: Path) -> None:
     house = folder / "studio-0"
     before = times(house)
     for file in ("pictures/Top.png", "pictures/Top.exr"):
         (house / file).write_bytes(b"")
-    done = run_cli("batch", EXAMPLES / "studio.png", "-o", folder, *QUICK, *PICTURES)
+    done = run_cli("batch", plan, "-o", folder, *QUICK, *PICTURES)
     assert done.returncode == 0, done.stderr
     changed = {file for file, time in times(house).items() if before[file] != time}
     assert changed == {"costs.json", "pictures/Top.png", "pictures/Top.exr"}
 
     pictures = {file: time for file, time in times(house).items() if "pictures/" in file}
     (house / "scene.json").write_text("{}")
-    done = run_cli("batch", EXAMPLES / "studio.png", "-o", folder, *QUICK, "--synth", "1")
+    done = run_cli("batch", plan, "-o", folder, *QUICK, "--synth", "1")
     assert json.loads(done.stdout)["made"] == 2
     assert len(json.loads((house / "scene.json").read_text())["furniture"]) > 3
     assert {file: times(house)[file] for file in pictures} == pictures
