@@ -11,6 +11,7 @@ from chord_usd.base.metrics.complete import HOME
 from chord_usd.base.metrics.design.bedroom_rules import wardrobes
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.rule import Measured, Rule
+from chord_usd.base.metrics.design.shell import Hole
 from chord_usd.base.metrics.design.view import HomeView, Point, View, distances
 from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import WET_KINDS, FloatArray
@@ -41,17 +42,22 @@ def _count(*categories: str) -> Callable[[HomeView], Iterator[Measured]]:
 
 
 def _wardrobe(home: HomeView) -> Iterator[Measured]:
-    total = sum(float(room.length[wardrobes(room)].sum()) for room in home.rooms)
+    total = sum(room.once(_wardrobes_m) for room in home.rooms)
     yield Measured(total / max(1, home.sleepers), _middle(home))
 
 
+def _wardrobes_m(room: View) -> float:
+    return float(room.length[wardrobes(room)].sum())
+
+
 def _diners(home: HomeView) -> Iterator[Measured]:
-    seats = sum(
-        len({chair for table in room.of("dining_table") for chair in chairs_of(room, table)})
-        for room in home.rooms
-    )
+    seats = sum(room.once(_seats) for room in home.rooms)
     wanted = min(max(1, home.sleepers), MOST_DINERS)
     yield Measured(max(0, wanted - seats), _middle(home))
+
+
+def _seats(room: View) -> int:
+    return len({chair for table in room.of("dining_table") for chair in chairs_of(room, table)})
 
 
 def _televisions(home: HomeView) -> Iterator[Measured]:
@@ -77,20 +83,28 @@ def _hall(home: HomeView) -> Iterator[Measured]:
     if home.entrance is None:
         return
     for room in home.rooms:
-        for hole in room.shell.holes:
-            if hole.id == home.entrance.id:
-                standing = [at for at in range(len(room.items)) if room.stands[at]]
-                points = _square(hole.ends, hole.inward, hole.depth_m / 2)
-                share = float(room.covered(points, standing).sum()) if standing else 0.0
-                yield Measured(share, _middle(home))
+        if any(hole.id == home.entrance.id for hole in room.shell.holes):
+            for name, share in room.once(_taken_behind):
+                if name == home.entrance.id:
+                    yield Measured(share, _middle(home))
 
 
-def _square(ends: FloatArray, inward: FloatArray, start: float) -> FloatArray:
+def _taken_behind(room: View) -> list[tuple[str, float]]:
+    """Ids of the openings of a room, and how much of the floor behind each is taken."""
+    standing = np.flatnonzero(room.stands).tolist()
+    if not standing:
+        return [(hole.id, 0.0) for hole in room.shell.holes]
+    return [
+        (hole.id, float(room.covered(_square(hole), standing).sum())) for hole in room.shell.holes
+    ]
+
+
+def _square(door: Hole) -> FloatArray:
     """(K, 2) points over the floor behind a door."""
     along = (np.arange(12) + 0.5) / 12
-    ahead = start + (np.arange(16) + 0.5) / 16 * HALL_M
-    line = ends[0] + along[:, None] * (ends[1] - ends[0])
-    points: FloatArray = line[:, None] + ahead[None, :, None] * inward
+    ahead = door.depth_m / 2 + (np.arange(16) + 0.5) / 16 * HALL_M
+    line = door.ends[0] + along[:, None] * (door.ends[1] - door.ends[0])
+    points: FloatArray = line[:, None] + ahead[None, :, None] * door.inward
     return points.reshape(-1, 2)
 
 

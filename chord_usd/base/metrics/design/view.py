@@ -6,9 +6,10 @@ Lengths are metres; a piece's own axes are u to its right and v to its front, fr
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -32,6 +33,7 @@ _HEAD_M = 1.4
 """What hangs above this takes no floor."""
 
 Point = tuple[float, float]
+T = TypeVar("T")
 
 
 @dataclass(eq=False)
@@ -45,6 +47,7 @@ class View:
     _near: dict[int, FloatArray] = field(default_factory=dict)
     _measured: dict[tuple[object, ...], float] = field(default_factory=dict)
     """Free depths: several rules ask for the same."""
+    _once: dict[Callable[[View], object], object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Arrays of what rules measure."""
@@ -78,6 +81,13 @@ class View:
         half = np.stack([np.maximum(self.length / 2 - 2 * TOUCH_M, 0.0), deep], axis=-1)
         at = self.at + self.front * (self.depth / 2 + deep)[:, None]
         return Rects(at, self.right, self.front, half)
+
+    def once(self, measure: Callable[[View], T]) -> T:
+        """The measure of this room, computed once: a home is priced for each draft of each room,
+        and its other rooms are the same in all of these. measure: a function of a module."""
+        if measure not in self._once:
+            self._once[measure] = measure(self)
+        return cast(T, self._once[measure])
 
     def of(self, *categories: str) -> list[int]:
         """Numbers of the pieces of these categories."""
@@ -306,7 +316,7 @@ class HomeView:
     @cached_property
     def sleepers(self) -> int:
         """How many people its beds are for."""
-        return sum(sleepers_of(room) for room in self.rooms)
+        return sum(room.once(sleepers_of) for room in self.rooms)
 
     @cached_property
     def watched_in_bed(self) -> View | None:

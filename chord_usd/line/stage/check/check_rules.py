@@ -25,7 +25,7 @@ through the first instance that shows them.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -65,7 +65,7 @@ def broken_rules(stage: Usd.Stage) -> list[Finding]:
 
     stage: opened with all payloads loaded.
     """
-    return in_order([*broken_by_prims(stage), *broken_by_files(stage)])
+    return in_order([*broken_by_prims(stage), *broken_by_files(stage, validators_of(stage))])
 
 
 def in_order(findings: Iterable[Finding]) -> list[Finding]:
@@ -73,10 +73,12 @@ def in_order(findings: Iterable[Finding]) -> list[Finding]:
     return sorted({*findings}, key=lambda f: (f.rule, f.path, f.message))
 
 
-def broken_by_files(stage: Usd.Stage) -> list[Finding]:
+def broken_by_files(
+    stage: Usd.Stage, validators: Sequence[UsdValidation.Validator]
+) -> list[Finding]:
     """What USD's validators find, and rules about files: calls of USD that let other threads run
     meanwhile."""
-    return [*_usd_findings(stage), *_stage_findings(stage, _FILE_RULES)]
+    return [*_usd_findings(stage, validators), *_stage_findings(stage, _FILE_RULES)]
 
 
 def broken_by_prims(stage: Usd.Stage) -> list[Finding]:
@@ -101,26 +103,29 @@ def _prim_findings(prims: Iterable[Usd.Prim]) -> list[Finding]:
     return findings
 
 
-def _usd_findings(stage: Usd.Stage) -> list[Finding]:
-    """Errors of USD's own validators in a stage; their warnings are advice."""
-    findings = []
+def validators_of(stage: Usd.Stage) -> list[UsdValidation.Validator]:
+    """USD's own validators, loaded. To be called where no other thread runs: both the loader of
+    libraries and the interpreter's lock are taken meanwhile, and imports take them the other way
+    round."""
     # Each of these walks through all files again: CHORD008 has looked for what is missing, and
     # what is no package breaks no rule of packages.
     needless = {"usdUtilsValidators:MissingReferenceValidator"}
     if not stage.GetRootLayer().GetFileFormat().IsPackage():
         needless.add("usdUtilsValidators:UsdzPackageValidator")
-    validators = [
-        one
-        for one in UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-        if one.GetMetadata().name not in needless
-    ]
+    every = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    return [one for one in every if one.GetMetadata().name not in needless]
+
+
+def _usd_findings(
+    stage: Usd.Stage, validators: Sequence[UsdValidation.Validator]
+) -> Iterator[Finding]:
+    """Errors of USD's own validators in a stage; their warnings are advice."""
     for error in UsdValidation.ValidationContext(validators).Validate(stage):
         if error.GetType() != UsdValidation.ValidationErrorType.Error:
             continue
         sites = [site.GetPrim() or site.GetProperty() for site in error.GetSites()]
         path = next((str(site.GetPath()) for site in sites if site), "/")
-        findings.append(Finding(str(error.GetName()), path, error.GetMessage().strip()))
-    return findings
+        yield Finding(str(error.GetName()), path, error.GetMessage().strip())
 
 
 # --- prims --------------------------------------------------------------------------------------

@@ -36,6 +36,7 @@ from chord_usd.line.stage.check.check_rules import (
     broken_by_files,
     broken_by_prims,
     in_order,
+    validators_of,
 )
 from chord_usd.line.stage.check.check_scene import StageScene, read_storeys
 from chord_usd.line.stage.check.check_stairs import stage_walks, stair_faults
@@ -175,7 +176,7 @@ def check_stage(path: Path, *, own: bool = False, standards: Sequence[Standard] 
 
 def _reported(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:
     with ThreadPoolExecutor(1) as beside:
-        of_files = beside.submit(broken_by_files, stage)
+        of_files = beside.submit(broken_by_files, stage, validators_of(stage))
         of_prims = broken_by_prims(stage)
         report = _measured(stage, standards)
         found = in_order([*of_files.result(), *of_prims])
