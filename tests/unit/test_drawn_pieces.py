@@ -106,6 +106,15 @@ def test_of_two_in_one_place_the_surer_one_stays_and_the_other_moves_or_goes() -
     assert third.reason == "in another piece"
 
 
+def test_a_bathroom_has_one_toilet_the_surest() -> None:
+    """A bidet or a basin that was taken for a second toilet was built as one."""
+    toilets = [piece("toilet", x, 2.65, (0.4, 0.65), 0.0, x / 3) for x in (0.6, 2.6)]
+    first, second = placed_pieces(plan("bathroom", *toilets))
+    assert first.item is not None
+    assert first.drawn.box.center_m[0] == pytest.approx(2.6)
+    assert (second.item, second.reason) == (None, "a second one in its room")
+
+
 def test_a_plan_keeps_them_in_its_file_and_when_it_is_moved() -> None:
     before = plan("bathroom", piece("toilet", 2.0, 2.6, (0.4, 0.65), 30.0))
     again = plan_from_json(plan_to_json(before))

@@ -22,7 +22,7 @@ from chord_usd.base.scene.types import (
     SceneGraph,
     frozen_array,
 )
-from chord_usd.line.plan.floor_parts import part_floors, part_open_plans
+from chord_usd.line.plan.floor_parts import part_floors, part_open_plans, too_small
 from chord_usd.line.plan.home_uses import Floor, Uses, named_pieces, uses_of_home
 from chord_usd.line.plan.labels import uses_named
 from chord_usd.line.plan.open_plans import Use, part_room
@@ -310,7 +310,15 @@ def test_one_enters_a_hall_and_not_a_store():
 
 @pytest.mark.parametrize(
     ("text", "kind"),
-    [("Bett", "bedroom"), ("stove", "kitchen"), ("ソファ", "living"), ("badewanne", "bathroom")],
+    [
+        *(
+            ("Bett", "bedroom"),
+            ("stove", "kitchen"),
+            ("ソファ", "living"),
+            ("badewanne", "bathroom"),
+        ),
+        *(("Island", "kitchen"), ("Geschirrspüler", "kitchen"), ("Mattress", "bedroom")),
+    ],
 )
 def test_words_for_furniture_say_what_a_floor_is_for(text, kind):
     assert set(named_pieces([text])) == {kind}
@@ -375,3 +383,30 @@ def test_an_open_border_is_shut_where_no_way_is_left_across_it(lengths_m, is_shu
     graph = SceneGraph(rooms, (border,), items)
     assert bool(blocked_openings(graph)) == is_shut
     assert not list(clearances(rooms, (border,)))
+
+
+@pytest.mark.parametrize(("deep", "is_bedroom"), [(1.3, False), (3.2, True)])
+def test_what_becomes_a_bedroom_holds_a_bed(deep, is_bedroom):
+    """A passage of 5 m2 between doors became a bedroom, and the home had no bed."""
+    floor = rectangle("bedroom1", "bedroom", 0, 0, 4, deep)
+    doors = tuple(
+        opening(f"door{x}", "door", x, y, 0.9, 0, "bedroom1")
+        for x in (0.6, 2.0, 3.4)
+        for y in ((-0.12, deep + 0.12) if deep < 2 else (-0.12,))
+    )
+    unnamed = replace(floor, kind="unknown")
+    found = too_small(Plan((floor,), doors), [floor], [unnamed])
+    assert found == (set() if is_bedroom else {(0, "bedroom")})
+    assert not too_small(Plan((floor,), doors), [floor], [floor]), "its name says so"
+
+
+def test_every_use_that_is_named_gets_its_part():
+    """A flat with "ALK" printed in its corner had no bedroom: what is drawn spoke against it."""
+    whole = Plan((rectangle("living1", "living", 0, 0, 7, 5),), ())
+    spots = {"living": (1.5, 1.0), "bedroom": (5.5, 2.5)}
+    named = {"living1": [Use(kind, (kind,), (at,)) for kind, at in spots.items()]}
+    chances = np.full((len(KIND_NAMES), 60, 80), 0.01, np.float32)
+    chances[KIND_NAMES.index("living")] = 0.98
+    seen = seen_kinds(chances, PixelFrame(0.1, (0.0, 0.0), 60))
+    parted, _, _ = part_floors(whole, [Uses("living", frozenset({"bedroom"}))], named, seen)
+    assert {room.kind for room in parted.rooms} == {"living", "bedroom"}

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from chord_usd.base.errors import PlanError
+from chord_usd.base.raster.page_labels import KIND_NAMES
 from chord_usd.base.scene.dwellings import DWELLING, NO_HOME, is_common, only_dwelling
 from chord_usd.base.scene.types import Box, Opening, Plan, Room, frozen_array
 from chord_usd.line.pipeline.steps import refuse_no_home
-from chord_usd.line.plan.home_graph import dwellings_of, work_names
+from chord_usd.line.plan.home_graph import dwellings_of, of_dwellings, work_names
+from chord_usd.line.plan.home_uses import Floor
 
 FLAT = ["living", "bathroom", "bedroom"]
 
@@ -39,6 +41,38 @@ def test_flats_on_a_stair_are_dwellings_and_the_stair_is_common():
 )  # fmt: skip
 def test_a_home_is_one_dwelling(kinds, pairs):
     assert set(dwellings_of(kinds, pairs)) == {1}
+
+
+def floor(told="unknown", stairs=0.0):
+    return Floor(np.full(len(KIND_NAMES), 0.1), told, stairs=stairs)
+
+
+HOME = [floor("living"), floor("bathroom"), floor("kitchen")]
+INSIDE = [[0, 1], [0, 2]]
+LANDING, STAIR = floor(), floor("corridor", 0.4)
+
+
+@pytest.mark.parametrize(
+    ("floors", "ways", "common"),
+    [
+        # A landing with a door to a neighbour, and the stair behind it with the building's door.
+        ([*HOME, LANDING, STAIR], [*INSIDE, [0, 3], [3, 4], [3], [4]], {3, 4}),
+        # The stair of a house: one door out.
+        ([*HOME, LANDING, STAIR], [*INSIDE, [0, 3], [3, 4], [3]], set()),
+        # A hall with a stair, on which two rooms of the home hang.
+        ([*HOME, floor("corridor", 0.4)], [*INSIDE, [0, 3], [1, 3], [3], [3]], set()),
+        # A hall with two doors out and no stair.
+        ([*HOME, LANDING], [*INSIDE, [0, 3], [3], [3]], set()),
+        # A bedroom behind the hall.
+        ([*HOME, STAIR, floor("bedroom")], [*INSIDE, [0, 3], [3, 4], [3], [3]], set()),
+    ],
+    ids=["landing", "house", "hall", "no stair", "bedroom"],
+)
+def test_a_landing_with_other_doors_is_common(floors, ways, common):
+    """It was furnished, or a room of unknown kind."""
+    found, whose = of_dwellings(floors, ways)
+    assert {at for at, number in enumerate(whose) if number == 0} == common
+    assert found[0].is_outer == bool(common)
 
 
 def room(name, number, west):

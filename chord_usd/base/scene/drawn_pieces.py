@@ -29,6 +29,8 @@ DRAWN = "drawn"
 
 KITCHEN = ("sink_cabinet", "cooker_cabinet", "refrigerator")
 """Of a kitchen: the units are composed around where these are drawn."""
+_SINGLE = frozenset(("toilet", "cooker_cabinet", "refrigerator"))
+"""A room has one: the surest stays."""
 _BACK_M, _SIDE_M = 0.3, 0.15
 """A back that is drawn so near to a wall is on it; a side."""
 _SQUARE_DEG, _WALLED_DEG = 30.0, 45.0
@@ -140,6 +142,8 @@ def place(
             found.append(Placed(item, reason="in no room"))
             continue
         category, reason = named(item, room_id)
+        if not reason and category in _SINGLE and counts[room_id, category]:
+            reason = "a second one in its room"
         own = replace(item, category=category)
         box = _on_walls(category, usual_box(category, item.box), plan.room(room_id))
         if not reason and category not in KITCHEN:

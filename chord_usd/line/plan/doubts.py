@@ -25,6 +25,7 @@ from chord_usd.base.scene.units import m_from_px, px_from_m
 from chord_usd.line.plan.fitted import Fit
 from chord_usd.line.plan.labels import texts_in
 from chord_usd.line.plan.measures import distinct, parse_measure
+from chord_usd.line.plan.openings import is_guessed
 from chord_usd.line.plan.parts import built_parts
 from chord_usd.line.plan.placement import CHECK_SCALE
 from chord_usd.line.plan.regions import Regions
@@ -192,7 +193,9 @@ def _doubts_of_openings(plan: Plan) -> list[str]:
     groups = reached_together(plan)
     if len(groups) > 1:
         apart = [room_id for group in groups[1:] for room_id in group]
-        told.append(f"{NO_DOOR} {_listed(apart, 'rooms')}; one may be missing")
+        guessed = [opening.id for opening in plan.openings if is_guessed(opening)]
+        put = f": {_listed(guessed, 'doors')} put where likeliest" if guessed else ""
+        told.append(f"{NO_DOOR} {_listed(apart, 'rooms')}; one may be missing{put}")
     return told
 
 

@@ -7,7 +7,7 @@ and pages of text (seen.py). What is printed gives rooms their kinds, and the sc
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -20,7 +20,6 @@ from shapely.geometry import Polygon
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.scene.drawn_pieces import DRAWN, to_entry
-from chord_usd.base.scene.dwellings import DWELLING, NO_HOME, dwelling_of
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.room_areas import scale_by_home, scale_by_rooms
 from chord_usd.base.scene.stair_places import DRAWN_STAIRS
@@ -46,9 +45,15 @@ from chord_usd.line.plan.doubts import (
 )
 from chord_usd.line.plan.false_borders import without_false_borders, without_pieces
 from chord_usd.line.plan.fitted import Fit, fit
-from chord_usd.line.plan.floor_parts import part_floors
-from chord_usd.line.plan.home_graph import dwellings_of, work_names
-from chord_usd.line.plan.home_uses import Floor, Uses, named_pieces, speaking, uses_of_home
+from chord_usd.line.plan.floor_parts import part_floors, too_small
+from chord_usd.line.plan.home_graph import (
+    of_dwelling,
+    of_dwellings,
+    said_of,
+    uses_of_dwellings,
+    work_names,
+)
+from chord_usd.line.plan.home_uses import Floor, named_pieces, speaking, uses_of_home
 from chord_usd.line.plan.labels import named_by_texts, numbered, seen_as, texts_in, uses_named
 from chord_usd.line.plan.lifts import without_lifts
 from chord_usd.line.plan.parts import parts_of
@@ -58,12 +63,13 @@ from chord_usd.line.plan.regions import is_stairwell, stair_outlines
 from chord_usd.line.plan.scale_choice import SCALE, Scale, choose_scale
 from chord_usd.line.plan.seen import Reader, SeenReading, read_seen
 from chord_usd.line.plan.seen_kinds import SeenKinds, seen_kinds
-from chord_usd.line.plan.seen_pieces import SeenPiece, found_on, pieces_within
+from chord_usd.line.plan.seen_pieces import SeenPiece, found_on, pieces_within, with_needed
 from chord_usd.line.plan.segment import READER_CHECKPOINT, PageReader, Segments, load_reader
 from chord_usd.line.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.line.plan.storey_titles import titled
 from chord_usd.line.plan.text import Text, read_texts, warm_up
 from chord_usd.line.plan.verdict import JOINED
+from chord_usd.line.plan.ways_in import with_rooms_shut, with_ways_in, without_scraps
 
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
@@ -73,8 +79,6 @@ _LEAST_FITTED = 3
 
 _BESIDE_SHARE = 0.3
 """Of a plan's longer side: dimensions stand so near to it."""
-
-_SHOWS_HOMES = "the plan shows "
 
 _SHOWS = "the sheet shows "
 
@@ -214,19 +218,21 @@ class NoSuchPartError(PlanError):
 
 def _read_part(page: _Page) -> _Found:
     """One plan of a sheet, with its scale, names and doubts. Raises PlanError."""
-    reading, told = _take_part(_whole(read_seen(page.segments, page.given), page), page.part)
+    reading, told = _taken(read_seen(page.segments, page.given), page)
     scale = _scale(reading, page)
     for _ in range(_READINGS):
         if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) <= _REREAD:
             break
-        reading, told = _take_part(_whole(reading.again(scale.m_per_px), page), page.part)
+        reading, told = _taken(reading.again(scale.m_per_px), page)
         # What is a room says, in turn, which printed sizes are heard.
         again = _scale(reading, page)
         scale = again if again.is_printed else scale
-    page = replace(page, is_home=page.is_home and not told)
+    several = any(one.startswith(_SHOWS) for one in told)
+    page = replace(page, is_home=page.is_home and not several)
     found = found_on(page.sheet, scale.m_per_px)
     reading = _without_pieces(reading, page, scale.m_per_px, found)
     reading, shown = _without_lifts(reading, page, scale.m_per_px)
+    reading = with_ways_in(reading, scale.m_per_px)
     fitted = _fitted(reading, page, scale) if scale.is_printed else None
     if fitted is not None:
         reading, scale = reading.with_fit(fitted), replace(scale, m_per_px=fitted.m_per_px)
@@ -235,6 +241,8 @@ def _read_part(page: _Page) -> _Found:
     seen = seen_kinds(page.segments.kinds, frame)
     pieces = pieces_within(found, reading, page.sheet, frame)
     plan, parted = _plan(reading, page, frame, _Seen(seen, pieces))
+    faint = pieces_within(found, reading, page.sheet, frame, is_sure=False)
+    pieces = with_needed(pieces, faint, plan.rooms)
     if is_all_guessed(plan):
         raise _no_room()
     sheet = page.sheet
@@ -299,9 +307,13 @@ def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]
     return chosen, [f"{_SHOWS}{len(parts)} plans; {which}, --part N takes another"]
 
 
-def _whole(reading: SeenReading, page: _Page) -> SeenReading:
-    """With floors joined that no wall parts."""
-    return without_false_borders(reading, _are_named(reading, page))
+def _taken(reading: SeenReading, page: _Page) -> tuple[SeenReading, list[str]]:
+    """The plan that was asked for, with floors joined that no wall parts, and what to say of
+    others. Raises PlanError."""
+    whole = without_false_borders(reading, _are_named(reading, page))
+    chosen, told = _take_part(whole, page.part)
+    left, said = without_scraps(chosen, _are_named(chosen, page))
+    return left, [*told, *said]
 
 
 def _without_pieces(
@@ -374,63 +386,27 @@ def _plan(
     named = _named_rooms(reading, page, frame)
     floors = _floors(reading, page, named, frame, seen)
     banned: set[tuple[int, RoomKind]] = set()
-    whose = _dwellings(reading, floors)
+    seen_ways = [o for o in reading.openings if not o.is_guess]
+    floors, whose = of_dwellings(floors, [[room for room, _ in o.rooms] for o in seen_ways
+                                          if o.kind != "window"])  # fmt: skip
     work = work_names([t.text for room in named for t in texts_in(room, page.texts, frame)])
     while True:
-        uses = _uses(floors, whose, page.is_home and not work, banned)
+        uses = uses_of_dwellings(floors, whose, page.is_home and not work, banned)
         rooms = numbered([
-            _of_dwelling(seen_as(room, each.kind, each.chance), number, max(whose))
+            of_dwelling(seen_as(room, each.kind, each.chance), number, whose)
             for room, each, number in zip(named, uses, whose, strict=True)
         ])  # fmt: skip
-        openings = reading.placed([room.id for room in rooms], frame)
-        plan = Plan(rooms, tuple(opening for opening in openings if opening.room_ids))
+        placed = reading.placed([room.id for room in rooms], frame)
+        openings = with_rooms_shut([opening for opening in placed if opening.room_ids], rooms)
+        plan = Plan(rooms, openings)
         if page.known.is_open:
             return plan, []
         spots = {room.id: uses_named(room, page.texts, frame) for room in rooms}
         parted, told, failed = part_floors(plan, uses, spots, seen.kinds, seen.pieces)
+        failed |= too_small(parted, rooms, named)
         if failed <= banned:
-            return parted, [*_said_of(parted, work), *told]
+            return parted, [*said_of(parted, work), *told]
         banned |= failed
-
-
-def _dwellings(reading: SeenReading, floors: Sequence[Floor]) -> list[int]:
-    """The number of each room's dwelling."""
-    kinds = [uses.kind for uses in uses_of_home(floors, is_home=False)]
-    ways = [o for o in reading.openings if o.kind != "window" and len(o.rooms) == 2]
-    return dwellings_of(kinds, [(o.rooms[0][0], o.rooms[1][0]) for o in ways])
-
-
-def _uses(
-    floors: Sequence[Floor],
-    whose: Sequence[int],
-    is_home: bool,
-    banned: Collection[tuple[int, RoomKind]],
-) -> list[Uses]:
-    """Uses of all floors: of each dwelling by itself, common parts as they are."""
-    found = [Uses("unknown")] * len(floors)
-    for number in sorted(set(whose)):
-        own = [index for index, one in enumerate(whose) if one == number]
-        local = {(own.index(at), use) for at, use in banned if at in own}
-        uses = uses_of_home([floors[index] for index in own], is_home and number > 0, local)
-        for index, each in zip(own, uses, strict=True):
-            found[index] = each if number else Uses("corridor")
-    return found
-
-
-def _of_dwelling(room: Room, number: int, count: int) -> Room:
-    """A room with the number of its dwelling, where the plan shows several."""
-    if count < 2:
-        return room
-    kind = room.kind if number else "corridor"
-    return replace(room, kind=kind, extra={**room.extra, DWELLING: number})
-
-
-def _said_of(plan: Plan, work: Sequence[str]) -> list[str]:
-    """Of a plan with several dwellings, and of what is no home. work: names that say so."""
-    count = len({dwelling_of(room) for room in plan.rooms} - {0})
-    told = [f"{_SHOWS_HOMES}{count} dwellings; --dwelling N takes one alone"] if count > 1 else []
-    listed = ", ".join(map(repr, dict.fromkeys(work)))
-    return [*told, f"{NO_HOME}: rooms are named {listed}"] if work else told
 
 
 @dataclass(frozen=True, eq=False)
@@ -482,7 +458,7 @@ def _floors(
     has_windows = any(opening.kind == "window" for opening in reading.openings)
     floors = []
     for index, (room, outline) in enumerate(zip(rooms, reading.outlines, strict=True)):
-        own = [o for o in reading.openings if index in [at for at, _ in o.rooms]]
+        own = [o for o in reading.openings if index in [at for at, _ in o.rooms] and not o.is_guess]
         polygon = room_polygon(room)
         named = uses_named(room, page.texts, frame)
         floors.append(

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from shapely.geometry import Point
 
+from chord_usd.base.places.free_places import is_passage
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.room_names import LEADING, room_kinds
 from chord_usd.base.scene.types import Item, Plan, Room, RoomKind
@@ -66,6 +67,7 @@ def part_floors(
         new = {one.id for one in parted.rooms} - {one.id for one in plan.rooms}
         for kind in free:
             made = [one for one in parted.rooms if one.id in new and one.kind == kind]
+            made = [one for one in made if _can_hold(parted, one)]
             told += [_told(parted, room, one.id, kind, seen) for one in made]
             failed |= {(index, kind)} if not made and kind not in known else set()
         plan = parted
@@ -87,15 +89,24 @@ def _parted(
     pair = [use for use in needed if use.kind in wanted | {room.kind}]
     # What is drawn nowhere contradicts every part.
     ways = [(needed + drawn, seen), (needed, seen), (needed, None), (pair, None)]
-    first = plan
-    for uses, shown in ways if wanted else ways[:1]:
+    named = {use.kind for use in needed if use.spots_m}
+    tried: list[tuple[Plan, set[RoomKind]]] = []
+    for uses, shown in ways if wanted or len(named) > 1 else ways[:1]:
         if len({use.kind for use in uses}) < 2:
             continue
         parted = part_room(plan, room.id, uses, shown)
-        first = parted if first is plan else first
-        if wanted <= {one.kind for one in parted.rooms if one not in plan.rooms}:
+        made = [one for one in parted.rooms if one not in plan.rooms]
+        kinds = {one.kind for one in made if one.kind in named or _can_hold(parted, one)}
+        tried.append((parted, kinds))
+        if wanted | named <= tried[-1][1]:
             return parted
-    return first
+    best = max(tried, key=lambda way: (wanted <= way[1], len(way[1] & named)), default=None)
+    return best[0] if best else plan
+
+
+def _can_hold(plan: Plan, room: Room) -> bool:
+    """Whether a room holds what its kind cannot do without: a bed is the largest such piece."""
+    return room.kind != "bedroom" or not is_passage(plan.scene(), room.id)
 
 
 def _at_hobs(needed: list[Use], room: Room, pieces: Sequence[Item]) -> list[Use]:
@@ -134,3 +145,19 @@ def _told(plan: Plan, host: Room, new: str, need: RoomKind, seen: SeenKinds | No
     if need in room_kinds(host.name):
         return f"{host.id} is named a {need}, too: a part of it became {new}"
     return f"no {need} was recognised: a part of {host.id} became {new}"
+
+
+def too_small(
+    plan: Plan, floors: Sequence[Room], named: Sequence[Room]
+) -> set[tuple[int, RoomKind]]:
+    """(floor, kind) of rooms whose kind no name says, and that cannot hold it.
+
+    plan: parted. floors: before; named: the same with the kinds that names say.
+    """
+    by_id = {room.id: room for room in plan.rooms}
+    pairs = [(by_id[room.id], known.kind) for room, known in zip(floors, named, strict=True)]
+    return {
+        (index, room.kind)
+        for index, (room, told) in enumerate(pairs)
+        if told == "unknown" and not _can_hold(plan, room)
+    }

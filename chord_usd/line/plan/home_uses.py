@@ -55,6 +55,17 @@ _SPEAKS: dict[str, tuple[RoomKind, float]] = {
     "bed": ("bedroom", 3.0), "sofa": ("living", 2.0),
 }  # fmt: skip
 """What a drawn piece speaks for, and nats of one that is surely there."""
+_PRINTED: dict[RoomKind, tuple[str, ...]] = {
+    "kitchen": (
+        *("island", "kitchen_island", "kochinsel", "kucheninsel", "dishwasher", "microwave"),
+        *("geschirrspuler", "spulmaschine", "lave_vaisselle", "lavavajillas", "lava_loucas"),
+        *("lavastoviglie", "diskmaskin", "astianpesukone", "vaatwasser", "食洗機", "洗碗机"),
+    ),
+    "bedroom": ("mattress", "matratze", "matelas", "colchon", "colchao", "materasso", "madrass"),
+}  # fmt: skip
+"""Words for what has no category, and stands in one kind of room; without accents."""
+_PRINTED_NATS = 4.0
+"""Of such a word: what is printed is surer than what is drawn."""
 _MOST_SPOKEN, _SPOKEN = 4.0, 1.5
 """Nats of all pieces of a kind; from so many on a kitchen is drawn."""
 
@@ -152,8 +163,8 @@ def uses_of_home(
 ) -> list[Uses]:
     """The most likely uses of N floors together.
 
-    is_home: whether these are all floors of a home. banned: (floor, further use) that the floor has
-    no place for.
+    is_home: whether these are all floors of a home. banned: (floor, use without a name) that the
+    floor has no place for.
     """
     is_named = any(floor.names_kitchen for floor in floors)
     best: dict[_Counts, tuple[float, tuple[Uses, ...]]] = {_Counts(): (0.0, ())}
@@ -185,7 +196,8 @@ def _options(
     """(nats, uses) of the ways to use a floor."""
     kinds: Sequence[RoomKind] = (*KIND_NAMES, "unknown")
     likeliest = max(KIND_NAMES, key=lambda kind: _chance(floor, kind))
-    for kind in kinds if floor.told == "unknown" else (floor.told,):
+    free = [kind for kind in kinds if kind not in banned]
+    for kind in free if floor.told == "unknown" else (floor.told,):
         chance = _chance(floor, kind)
         nats = 0.0
         if floor.told == "unknown":
@@ -221,8 +233,9 @@ def named_pieces(texts: Iterable[str]) -> dict[RoomKind, float]:
     for text in texts:
         words = re.findall(r"\w+", plain(text.casefold()))
         phrases = {"_".join(words[a:b]) for a in range(len(words)) for b in range(a + 1, a + 4)}
-        for piece in {_piece_words()[phrase] for phrase in phrases & _piece_words().keys()}:
-            kind, nats = _SPEAKS[piece]
+        said = [_SPEAKS[_piece_words()[phrase]] for phrase in phrases & _piece_words().keys()]
+        said += [(kind, _PRINTED_NATS) for kind, own in _PRINTED.items() if phrases & {*own}]
+        for kind, nats in {*said}:
             spoken[kind] = min(spoken.get(kind, 0.0) + nats, _MOST_SPOKEN)
     return spoken
 

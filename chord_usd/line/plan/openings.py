@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 CONFIDENCE = "confidence"
 """Key of Room.extra and Opening.extra: how sure the reading of a drawing is, [0, 1]."""
 
+GUESSED = "guessed"
+"""Key of Opening.extra: it stands there since rooms have to be entered."""
+
 _LEAST_PIXELS = 3
 
 _LEAST_FILL = 0.7
@@ -35,6 +38,11 @@ _LEAST_FILL = 0.7
 
 _MOST_SKEW = math.sin(math.radians(15.0))
 """A bar and the wall it lies in differ in direction by less than this."""
+
+
+def is_guessed(opening: Opening) -> bool:
+    """Whether an opening stands there since rooms have to be entered."""
+    return GUESSED in opening.extra
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +142,7 @@ def openings_of(
         center_px = one.center_px + (low - high) / 2 * one.along
         box = _box(one.kind, center_px, one.along, size_px, frame)
         joined = _joined(one.rooms, box.yaw_deg, room_ids)
-        extra = {CONFIDENCE: one.confidence}
+        extra = {CONFIDENCE: one.confidence, **({GUESSED: True} if one.is_guess else {})}
         openings.append(Opening(f"{one.kind}{counts[one.kind]}", one.kind, box, joined, extra))
     return tuple(openings)
 

@@ -44,6 +44,9 @@ CHAINS = "dimension chains"
 HOME_M2 = 25.0
 """From this area on, one may be printed for a whole home."""
 
+_RATHER_HOME = 3
+"""By so much a sheet's only area is likelier that of the home than that of its room."""
+
 FLOOR_AREA = "floor area"
 """Witness: the area of all that the outer walls surround, printed under or over a plan."""
 
@@ -93,6 +96,8 @@ def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Est
             while measure in printed[inside]:
                 measure = replace(measure, values=tuple(v * (1 + 1e-9) for v in measure.values))
             printed[inside][measure] = text
+    sheet = [m for said in printed.values() for m in distinct(list(said)) if m.kind == "area"]
+    is_of_home = len(sheet) == 1 and sheet[0].values[0] >= HOME_M2
     for index, said in printed.items():
         kept = distinct(list(said))
         sizes = sum(measure.kind == "size" for measure in kept)
@@ -108,16 +113,15 @@ def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Est
         if areas:
             total = sum(measure.values[0] for measure in areas)
             together = " + ".join(said[measure].text for measure in areas)
-            yield Estimate(_NAMES["area"], math.sqrt(total / rooms[index].area), together)
-    areas = [m for said in printed.values() for m in distinct(list(said)) if m.kind == "area"]
-    if len(areas) == 1 and areas[0].values[0] >= HOME_M2:
-        # The only area of a sheet may be that of all rooms.
+            scale = math.sqrt(total / rooms[index].area)
+            # Where rooms have areas, each has one: the only one is rather that of the home.
+            yield Estimate(
+                _NAMES["area"], scale, together, choices=_RATHER_HOME if is_of_home else 1
+            )
+    if is_of_home:
         total_px = sum(room.area for room in rooms)
-        yield Estimate(
-            "floor area",
-            math.sqrt(areas[0].values[0] / total_px),
-            f"{areas[0].values[0]:g} m2 in all",
-        )
+        area_m2 = sheet[0].values[0]
+        yield Estimate(FLOOR_AREA, math.sqrt(area_m2 / total_px), f"{area_m2:g} m2 in all")
 
 
 def _from_titles(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Estimate]:

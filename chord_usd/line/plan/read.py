@@ -20,6 +20,7 @@ from chord_usd.base.scene.storeys import StoreyPlan
 from chord_usd.base.scene.types import ByteArray, Plan, PlanImage
 from chord_usd.base.scene.wet_rooms import with_wet_kinds
 from chord_usd.line.plan.decode import decode_plan
+from chord_usd.line.plan.openings import is_guessed
 from chord_usd.line.plan.picture import read_picture
 from chord_usd.line.plan.placement import PAGE, WARNINGS
 from chord_usd.line.plan.vector import is_svg, is_vector
@@ -247,7 +248,7 @@ def _told(plan: Plan) -> list[str]:
 
 def _warnings(plan: Plan) -> list[str]:
     warnings = _told(plan)
-    kinds = [opening.kind for opening in plan.openings]
+    kinds = [opening.kind for opening in plan.openings if not is_guessed(opening)]
     if "door" not in kinds and "passage" not in kinds:
         warnings.append("no doors were found: rooms cannot be entered")
     elif "door" in kinds and len(plan.rooms) > 1:

@@ -8,7 +8,6 @@ from itertools import combinations, product
 
 import numpy as np
 from shapely.geometry import Polygon, box
-from shapely.prepared import prep as prepared
 
 from chord_usd.base.scene.types import FloatArray
 
@@ -18,6 +17,8 @@ _PART_MISMATCH = math.log(1.05)
 """...and those of a part of it: of many rectangles some come near by chance."""
 _LEAST_SHARE = 0.4
 """Of a room's floor is the rectangle whose size is printed."""
+_FILLED = 0.85
+"""...and of that rectangle, where none is all floor, what is floor."""
 _TORN_SHARE = 0.02
 """Of the room's longer side: corners that are nearer are one."""
 _MOST_PLACES = 24
@@ -78,9 +79,9 @@ def rectangles_in(
         if (east - west) * (south - north) >= _LEAST_SHARE * room.area / sizes
         and _scale((west, north, east, south), sides_m, most) is not None
     ]
-    inner = prepared(room.buffer(reach))
+    # Wardrobes and shafts stand in what is measured.
     for bounds in sorted(found, key=_area, reverse=True):
-        if inner.covers(box(*bounds)):
+        if room.intersection(box(*bounds)).area >= _FILLED * _area(bounds):
             yield bounds
 
 

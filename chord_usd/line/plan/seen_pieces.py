@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -24,9 +24,9 @@ from chord_usd.base.raster.page_labels import (
 )
 from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.runtime.networks import Network, load_network
-from chord_usd.base.scene.geometry import footprint_polygon
+from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
 from chord_usd.base.scene.palette import category
-from chord_usd.base.scene.types import Box, ByteArray, FloatArray, Item, PixelFrame
+from chord_usd.base.scene.types import Box, ByteArray, FloatArray, Item, PixelFrame, Room, RoomKind
 from chord_usd.base.scene.units import m_from_px, wrap_deg
 from chord_usd.line.plan.seen import SeenReading
 from chord_usd.line.plan.sheet import Sheet, on_white
@@ -37,6 +37,17 @@ _REMEDY = "chord-usd train symbols, or reinstall chord-usd"
 FOLLOWING = frozenset(["chair"])
 """What stands where other pieces are: it helps the network to tell these."""
 LEAST_CHANCE = 0.3
+_FAINT = 0.4
+"""Share of the chance from which on a piece counts, for what its room lacks."""
+_NEEDED: dict[RoomKind, tuple[frozenset[str], ...]] = {
+    "bathroom": tuple(
+        frozenset(one) for one in (("toilet",), ("washbasin",), ("shower", "bathtub"))
+    ),
+    "wc": (frozenset(("toilet",)), frozenset(("washbasin",))),
+    "kitchen": (frozenset(("sink_cabinet",)), frozenset(("cooker_cabinet",))),
+    "bedroom": (frozenset(("bed",)),),
+}
+"""What rooms of a kind usually show, each of these once or more."""
 _ENLARGED = 2.2
 """A picture is not enlarged more than this, as in training."""
 _TILE_PX, _OVERLAP_PX = 768, 96
@@ -61,6 +72,8 @@ class SeenPiece:
     depth_px: float
     front: tuple[float, float]
     """Unit vector."""
+    is_sure: bool = True
+    """Whether it counts wherever it is; else only where its room lacks one."""
 
 
 class PieceFinder:
@@ -72,10 +85,10 @@ class PieceFinder:
         self._least = np.array([least.get(name, LEAST_CHANCE) for name in PIECE_NAMES])
 
     def find(self, rgb: ByteArray, m_per_px: float, least: float | None = None) -> list[SeenPiece]:
-        """Pieces on a picture, (H, W, 3), the likeliest first.
+        """Pieces on a picture, (H, W, 3), the surest and likeliest first.
 
         m_per_px: its scale. least: chance from which on a piece counts, in place of the
-        checkpoint's.
+        checkpoint's; without it, faint ones are there, too.
         """
         enough = self._least if least is None else np.full(len(PIECE_NAMES), least)
         share = min(m_per_px / PIECE_M_PER_PX, _ENLARGED)
@@ -85,7 +98,7 @@ class PieceFinder:
         # Where the picture is finer than it may be enlarged to, sizes are those of its own scale.
         found = [piece for window in _windows((small.shape[0], small.shape[1]))
                  for piece in self._in_window(small, window, enough)]  # fmt: skip
-        found.sort(key=lambda piece: -piece.chance)
+        found.sort(key=lambda piece: (not piece.is_sure, -piece.chance))
         return [_times(piece, 1.0 / share) for piece in _apart(found)]
 
     def _in_window(
@@ -101,13 +114,15 @@ class PieceFinder:
         mirror = np.ascontiguousarray(scaled[..., ::-1])
         centres = (centres + self._network.run({READER_INPUT: mirror})[0][0, ..., ::-1]) / 2
         corner = np.array([window[1].start, window[0].start], np.float64)
-        for kind, row, column in zip(*_peaks(centres, least), strict=True):
+        faint = _FAINT * self._least if least is self._least else least
+        for kind, row, column in zip(*_peaks(centres, faint), strict=True):
             x, y, length, depth, front_x, front_y = shapes[:, row, column].astype(float)
             at = np.array([column + x, row + y]) * PIECE_STEP_PX + corner
             norm = max(float(np.hypot(front_x, front_y)), 1e-6)
             yield SeenPiece(
                 PIECE_NAMES[kind], float(centres[kind, row, column]), (at[0], at[1]),
                 float(np.exp(length)), float(np.exp(depth)), (front_x / norm, front_y / norm),
+                bool(centres[kind, row, column] >= least[kind]),
             )  # fmt: skip
 
 
@@ -163,9 +178,9 @@ def _apart(pieces: list[SeenPiece]) -> list[SeenPiece]:
 
 def _times(piece: SeenPiece, by: float) -> SeenPiece:
     x, y = piece.center_px
-    return SeenPiece(
-        piece.category, piece.chance, (x * by, y * by), piece.length_px * by, piece.depth_px * by,
-        piece.front,
+    return replace(
+        piece, center_px=(x * by, y * by), length_px=piece.length_px * by,
+        depth_px=piece.depth_px * by,
     )  # fmt: skip
 
 
@@ -191,9 +206,15 @@ def found_on(sheet: Sheet, m_per_px: float) -> list[SeenPiece]:
 
 
 def pieces_within(
-    found: Iterable[SeenPiece], reading: SeenReading, sheet: Sheet, frame: PixelFrame
+    found: Iterable[SeenPiece],
+    reading: SeenReading,
+    sheet: Sheet,
+    frame: PixelFrame,
+    *,
+    is_sure: bool = True,
 ) -> list[Item]:
-    """Of what was found on a sheet's fine picture, the pieces on a reading's floors, in metres.
+    """Of what was found on a sheet's fine picture, the sure or the faint pieces on a reading's
+    floors, in metres.
 
     No chairs, and no shower where a door swings. frame: of the working picture."""
     height_px = sheet.fine.shape[0]
@@ -205,10 +226,25 @@ def pieces_within(
     ]  # fmt: skip
     house = shapely.union_all([room.buffer(0) for room in rooms])
     return [
-        one for one in as_items(found, fine)
+        one for one in as_items([piece for piece in found if piece.is_sure == is_sure], fine)
         if one.category not in FOLLOWING and house.covers(Point(one.box.center_m[:2]))
         and not any(_is_swing(one, *door) for door in doors)
     ]  # fmt: skip
+
+
+def with_needed(sure: Sequence[Item], faint: Sequence[Item], rooms: Iterable[Room]) -> list[Item]:
+    """The sure pieces, and the likeliest faint one of each sort that a room of its kind shows, and
+    that this one would lack."""
+    pieces = list(sure)
+    for room in rooms:
+        floor = room_polygon(room)
+        there = {one.category for one in sure if floor.covers(Point(one.box.center_m[:2]))}
+        own = [one for one in faint if floor.covers(Point(one.box.center_m[:2]))]
+        for sort in _NEEDED.get(room.kind, ()):
+            likely = [one for one in own if one.category in sort]
+            if likely and there.isdisjoint(sort):
+                pieces.append(max(likely, key=lambda one: one.score))
+    return pieces
 
 
 def _is_swing(piece: Item, door: Point, width_m: float) -> bool:

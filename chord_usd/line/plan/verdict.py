@@ -14,7 +14,7 @@ from typing import Any, Literal
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import hanging_together, room_polygon, seams
 from chord_usd.base.scene.types import OPEN, Opening, Plan, Room
-from chord_usd.line.plan.openings import CONFIDENCE
+from chord_usd.line.plan.openings import CONFIDENCE, is_guessed
 from chord_usd.line.plan.placement import CHECK_SCALE, WARNINGS
 
 Verdict = Literal["right", "look", "wrong"]
@@ -96,8 +96,8 @@ def symptoms_of(plan: Plan, joined: int = 0) -> Symptoms:
     of others, each with an unsure outline and opening."""
     told = _told(plan)
     rooms = max(len(plan.rooms), 1)
-    openings = max(len(plan.openings) + joined, 1)
-    vague = (sum(map(is_vague, plan.openings)) + joined) / openings
+    seen = [opening for opening in plan.openings if not is_guessed(opening)]
+    vague = (sum(map(is_vague, seen)) + joined) / max(len(seen) + joined, 1)
     apart = sum(map(len, reached_together(plan)[1:])) / rooms
     return Symptoms(
         vague,
@@ -183,18 +183,20 @@ def is_shaky(room: Room) -> bool:
 
 
 def is_vague(opening: Opening) -> bool:
-    """Whether it is unsure what an opening is."""
-    return bool(opening.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN)
+    """Whether it is unsure what an opening is that was seen."""
+    return not is_guessed(opening) and bool(opening.extra.get(CONFIDENCE, 1.0) < _UNCERTAIN)
 
 
 def reached_together(plan: Plan) -> list[list[str]]:
-    """Ids of rooms that doors and passages join, or that touch, the largest group first."""
+    """Ids of rooms that doors and passages join which were seen, or that touch, the largest group
+    first."""
     ids = [room.id for room in plan.rooms]
     index_of = {room_id: index for index, room_id in enumerate(ids)}
     touching = seams([room_polygon(room) for room in plan.rooms], _TOUCH_M)
     pairs = [(one, other) for one, other, _ in touching]
     for opening in plan.openings:
-        if opening.kind != "window" and len(opening.room_ids) == 2:
+        is_way = opening.kind != "window" and not is_guessed(opening)
+        if is_way and len(opening.room_ids) == 2:
             one, other = (index_of[room_id] for room_id in opening.room_ids)
             pairs.append((one, other))
     groups = [[ids[index] for index in group] for group in hanging_together(len(ids), pairs)]

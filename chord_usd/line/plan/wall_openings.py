@@ -83,6 +83,8 @@ class WallOpening:
     """Chance of its kind, averaged over it."""
     insets_px: tuple[float, float] = (0.0, 0.0)
     """How far inside its ends, along, the jambs are: what is seen is a little longer."""
+    is_guess: bool = False
+    """Whether it is there since rooms have to be entered."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +99,7 @@ class _Edge:
 
 
 @dataclass(frozen=True, eq=False)
-class _Wall:
+class Wall:
     """A strip between two faces, or between a face and the outside."""
 
     edge: _Edge
@@ -115,9 +117,8 @@ def find_openings(
 
     thickness_px: of the usual wall.
     """
-    edges = [edge for room, polygon in enumerate(polygons_px) for edge in _edges(room, polygon)]
     found: list[WallOpening] = []
-    for wall in _walls(edges, segments, thickness_px):
+    for wall in walls_between(polygons_px, segments, thickness_px):
         found += _in_wall(wall, segments, _LEAST_LENGTH * thickness_px)
     return _joined(found, thickness_px)
 
@@ -134,8 +135,11 @@ def _edges(room: int, polygon: FloatArray) -> Iterator[_Edge]:
 # Walls -------------------------------------------------------------------------------------------
 
 
-def _walls(edges: Sequence[_Edge], segments: Segments, thickness_px: float) -> Iterator[_Wall]:
+def walls_between(
+    polygons_px: Sequence[FloatArray], segments: Segments, thickness_px: float
+) -> Iterator[Wall]:
     """Strips between facing edges of two rooms, and from edges that face none to the outside."""
+    edges = [edge for room, polygon in enumerate(polygons_px) for edge in _edges(room, polygon)]
     reach = max(_DEEPEST * thickness_px, _LEAST_OVERLAP_PX)
     covered: dict[_Edge, list[tuple[float, float]]] = {edge: [] for edge in edges}
     for one, other in combinations(edges, 2):
@@ -154,13 +158,13 @@ def _walls(edges: Sequence[_Edge], segments: Segments, thickness_px: float) -> I
         turned = one.start - other.start
         spans = [float((turned + place * one.along) @ other.along) for place in (low, high)]
         covered[other].append((min(spans), max(spans)))
-        yield _Wall(one, low, high, max(depth, 1.0), other)
+        yield Wall(one, low, high, max(depth, 1.0), other)
     for edge, spans_px in covered.items():
         for low, high in gaps(spans_px, edge.length):
             if high - low <= _LEAST_OVERLAP_PX:
                 continue
             outer = _outer_depth(edge, low, high, segments, reach) or thickness_px
-            yield _Wall(edge, low, high, outer, None)
+            yield Wall(edge, low, high, outer, None)
 
 
 def _outer_depth(
@@ -193,19 +197,18 @@ def borders_between(
 ) -> dict[tuple[int, int], FloatArray]:
     """By pairs of rooms the length of what parts them, and how much of it is no wall, and a door,
     pixels."""
-    edges = [edge for room, polygon in enumerate(polygons_px) for edge in _edges(room, polygon)]
     found: dict[tuple[int, int], FloatArray] = {}
-    for wall in _walls(edges, segments, thickness_px):
+    for wall in walls_between(polygons_px, segments, thickness_px):
         if wall.other is not None:
             first, second = sorted((wall.edge.room, wall.other.room))
-            profile = _profile(wall, segments)
+            profile = profile_of(wall, segments)
             sums = [1.0, 1.0 - profile[WALL].mean(), profile[DOOR].mean()]
             added = (wall.high - wall.low) * np.array(sums)
             found[first, second] = found.get((first, second), np.zeros(3)) + added
     return found
 
 
-def _profile(wall: _Wall, segments: Segments) -> FloatArray:
+def profile_of(wall: Wall, segments: Segments) -> FloatArray:
     """(7, N) shares of what is built, pixel by pixel along a wall, averaged across it."""
     along = np.arange(wall.low + 0.5, wall.high, 1.0)
     across = np.array(_ACROSS) * wall.depth
@@ -216,10 +219,10 @@ def _profile(wall: _Wall, segments: Segments) -> FloatArray:
     return np.asarray(profile / profile.sum(axis=0))
 
 
-def _in_wall(wall: _Wall, segments: Segments, least_px: float) -> Iterator[WallOpening]:
+def _in_wall(wall: Wall, segments: Segments, least_px: float) -> Iterator[WallOpening]:
     """The openings of a wall."""
     along = np.arange(wall.low + 0.5, wall.high, 1.0)
-    profile = _profile(wall, segments)
+    profile = profile_of(wall, segments)
     is_open = profile[WALL] < _IS_WALL
     for first, last in _runs(is_open):
         part = profile[:, first : last + 1]
@@ -276,7 +279,7 @@ def _inset(walled: FloatArray) -> float:
 
 
 def _opening(
-    wall: _Wall, kind: OpeningKind, start: float, length: float, sign: float
+    wall: Wall, kind: OpeningKind, start: float, length: float, sign: float
 ) -> WallOpening:
     edge = wall.edge
     center = edge.start + (start + length / 2) * edge.along + wall.depth / 2 * edge.outward
@@ -285,6 +288,11 @@ def _opening(
         rooms.append((wall.other.room, wall.other.outward))
     sure = round(min(1.0, sign), 2)
     return WallOpening(kind, center, edge.along, float(length), wall.depth, tuple(rooms), sure)
+
+
+def door_in(wall: Wall, start: float, length: float, sign: float) -> WallOpening:
+    """A door that has to be in a wall, from start along its edge. sign: how much speaks for it."""
+    return replace(_opening(wall, "door", start, length, sign), is_guess=True)
 
 
 def _joined(found: list[WallOpening], thickness_px: float) -> list[WallOpening]:

@@ -1,0 +1,157 @@
+"""Rooms that no way leads into get the likeliest one; scraps of neighbours are left out.
+
+People enter every room. Where the reading shows no door between a part of the house and the rest,
+a window onto a balcony is a glazed door, and else a door stands where the wall between looks least
+like one. Such doors are guesses: they are marked, drawn as unsure, and say nothing of kinds, scale,
+dwellings or the verdict. A floor without a name that the picture's edge cuts off, and that no sure
+door joins to the plan, belongs to the neighbours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import count
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from chord_usd.base.raster.page_labels import DOOR, FLOOR, PASSAGE, STAIRS
+from chord_usd.base.scene.geometry import hanging_together, seams
+from chord_usd.base.scene.types import WET_KINDS, FloatArray, Opening, Room
+from chord_usd.line.plan.openings import CONFIDENCE
+from chord_usd.line.plan.scale_choice import USUAL_DOOR_M
+from chord_usd.line.plan.seen import SeenReading
+from chord_usd.line.plan.wall_openings import WallOpening, door_in, profile_of, walls_between
+
+_PASSED_M = 0.5
+"""What is narrower is no way."""
+_LEAST_M2 = 1.0
+"""Of the floor of a part that needs a way in."""
+_LEAST_SIGN = 0.12
+"""Share that is no wall below which nothing tells where in a wall a door is."""
+_PASSED = (DOOR, PASSAGE, FLOOR, STAIRS)
+_TOUCH_PX = 1.0
+_SURE = 0.5
+"""Least chance of a door that joins a floor at the picture's edge to the plan."""
+_AT_EDGE = 0.012
+"""Of the picture's shorter side: a floor that comes so near to its edge is cut off there."""
+_MOST_CUT = 0.2
+"""Share of all floor from which on what is cut off is no scrap."""
+
+
+def with_ways_in(reading: SeenReading, m_per_px: float) -> SeenReading:
+    """A reading in which each part that no way leads into has the likeliest one, if there is any
+    sign of it."""
+    groups = _groups(reading, _PASSED_M / m_per_px)
+    if len(groups) < 2:
+        return reading
+    group_of = {room: number for number, group in enumerate(groups) for room in group}
+    entered = {group_of[o.rooms[0][0]] for o in reading.openings
+               if o.kind == "door" and len(o.rooms) == 1}  # fmt: skip
+    # Nobody enters niches and shafts.
+    floors = [Polygon(polygon).area * m_per_px**2 for polygon in reading.polygons_px]
+    entered |= {number for number, group in enumerate(groups)
+                if sum(floors[room] for room in group) < _LEAST_M2}  # fmt: skip
+    main = max(range(len(groups)), key=lambda one: len(groups[one]))
+    openings = list(reading.openings)
+    joined: list[tuple[int, int]] = []
+    for sign, way in sorted(_ways(reading, m_per_px), key=lambda each: -each[0]):
+        ends = group_of[way.rooms[0][0]], group_of[way.rooms[1][0]]
+        together = next(part for part in hanging_together(len(groups), joined) if ends[0] in part)
+        is_needed = any(end != main and end not in entered for end in ends)
+        if sign >= _LEAST_SIGN and ends[1] not in together and is_needed:
+            joined.append(ends)
+            openings = [o for o in openings if not _is_replaced(o, way)] + [way]
+    return replace(reading, openings=openings)
+
+
+def _groups(reading: SeenReading, least_px: float, least_sure: float = 0.0) -> list[list[int]]:
+    """Rooms that ways join of so many pixels, and as sure."""
+    floors = [Polygon(polygon).buffer(0) for polygon in reading.polygons_px]
+    pairs = [(one, other) for one, other, _ in seams(floors, _TOUCH_PX)]
+    pairs += [
+        (o.rooms[0][0], o.rooms[1][0])
+        for o in reading.openings
+        if o.kind != "window" and len(o.rooms) == 2
+        and o.length_px - sum(o.insets_px) >= least_px and o.confidence >= least_sure
+    ]  # fmt: skip
+    return hanging_together(len(floors), pairs)
+
+
+def _ways(reading: SeenReading, m_per_px: float) -> Iterator[tuple[float, WallOpening]]:
+    """(sign of a way, door) of windows between two rooms, and of each wall between two rooms."""
+    for one in reading.openings:
+        if one.kind == "window" and len(one.rooms) == 2:
+            yield 1.0, replace(one, kind="door", is_guess=True)
+    thickness_px = reading.regions.thickness_px
+    length = round(USUAL_DOOR_M / m_per_px)
+    for wall in walls_between(reading.polygons_px, reading.segments, thickness_px):
+        if wall.other is None or wall.high - wall.low < length:
+            continue
+        passed = profile_of(wall, reading.segments)[list(_PASSED)].sum(axis=0)
+        means = np.convolve(passed, np.full(length, 1.0 / length), "valid")
+        first = int(means.argmax())
+        yield float(means[first]), door_in(wall, wall.low + first, length, float(means[first]))
+
+
+def _is_replaced(one: WallOpening, way: WallOpening) -> bool:
+    """Whether a way takes the place of an opening between the same rooms."""
+    if {room for room, _ in one.rooms} != {room for room, _ in way.rooms}:
+        return False
+    between = one.center_px - way.center_px
+    return bool(np.hypot(*between) < (one.length_px + way.length_px) / 2)
+
+
+def without_scraps(reading: SeenReading, named: Sequence[bool]) -> tuple[SeenReading, list[str]]:
+    """A reading without floors of neighbours, and what to say of them. named: whether each room has
+    a name."""
+    floors = [Polygon(polygon).area for polygon in reading.polygons_px]
+    left = set(range(len(floors)))
+    for group in _groups(reading, 0.0, _SURE):
+        is_cut = any(_is_cut_off(reading.polygons_px[room], reading) for room in group)
+        is_small = sum(floors[room] for room in group) < _MOST_CUT * sum(floors)
+        if is_cut and is_small and not any(named[room] for room in group):
+            left -= set(group)
+    if len(left) == len(floors):
+        return reading, []
+    count = len(floors) - len(left)
+    which = (
+        "a floor that the picture's edge cuts off was"
+        if count == 1
+        else (f"{count} floors that the picture's edge cuts off were")
+    )
+    return reading.of(sorted(left)), [f"{which} left out: without a name or a sure door"]
+
+
+def _is_cut_off(polygon_px: FloatArray, reading: SeenReading) -> bool:
+    """Whether a floor runs out of the picture."""
+    height, width = reading.regions.solid.shape
+    margin = max(4.0, _AT_EDGE * min(height, width))
+    picture = shapely.box(margin, margin, width - margin, height - margin)
+    return not picture.covers(Polygon(polygon_px))
+
+
+def with_rooms_shut(openings: Sequence[Opening], rooms: Sequence[Room]) -> tuple[Opening, ...]:
+    """The openings without unsure passages into bedrooms and wet rooms, which people shut: such a
+    passage is a door if the room has no other way, and else wall."""
+    shut = {room.id for room in rooms if room.kind == "bedroom" or room.kind in WET_KINDS}
+    number_of = {room.id: number for number, room in enumerate(rooms)}
+
+    def is_doubtful(one: Opening) -> bool:
+        is_vague = one.extra.get(CONFIDENCE, 1.0) < _SURE
+        return one.kind == "passage" and len(one.room_ids) == 2 and is_vague and bool(
+            shut.intersection(one.room_ids)
+        )  # fmt: skip
+
+    kept = [one for one in openings if not is_doubtful(one)]
+    ways = [one.room_ids for one in kept if one.kind != "window" and len(one.room_ids) == 2]
+    pairs = [(number_of[a], number_of[b]) for a, b in ways]
+    doors = count(1 + sum(one.kind == "door" for one in openings))
+    for one in filter(is_doubtful, openings):
+        a, b = (number_of[room_id] for room_id in one.room_ids)
+        if not any(a in group and b in group for group in hanging_together(len(rooms), pairs)):
+            pairs.append((a, b))
+            kept.append(replace(one, id=f"door{next(doors)}", kind="door"))
+    return tuple(kept)
