@@ -243,6 +243,11 @@ def positive(text: str) -> float:
     return _within(text, 1e-6, 1e6)
 
 
+def share(text: str) -> float:
+    """An option type: a part of a whole, above 0 and up to 1."""
+    return _within(text, 1e-6, 1.0)
+
+
 def _within(text: str, least: float, most: float, unit: str = "") -> float:
     try:
         value = float(text)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime.counting import counted
 from chord_usd.base.runtime.files import output_folder, write_atomic
 from chord_usd.faces.commands import dataset_keep, dataset_release
@@ -28,6 +29,7 @@ from chord_usd.faces.commands.common import (
     stopwatch,
     whole_number,
 )
+from chord_usd.faces.commands.dataset_furnish import add_furnisher, furnisher_of
 from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import output_file
 
@@ -88,19 +90,8 @@ def _add_synth(group: Verbs) -> None:
     synth.add_argument(
         "--rasters", action="store_true", help="also draw plan and layout rasters beside them"
     )
-    _add_statistics(synth)
+    add_furnisher(synth)
     add_options(synth, "seed")
-
-
-def _add_statistics(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--statistics", choices=("homes", "paper"), default="homes",
-        help="furnish as people live, or as sparsely as the paper's houses (homes)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--drafts", type=whole_number(1, 1000), default=1, metavar="N",
-        help="furnish N times, and keep what breaks the fewest planning rules (1)",
-    )  # fmt: skip
 
 
 def _add_import(group: Verbs) -> None:
@@ -127,7 +118,7 @@ def _add_import(group: Verbs) -> None:
         "--arrange", action="store_true",
         help="move pieces out of each other, of walls and off openings, or else leave them out",
     )  # fmt: skip
-    _add_statistics(reader)
+    add_furnisher(reader)
     add_options(reader, "seed")
 
 
@@ -137,9 +128,8 @@ def run_synth(options: argparse.Namespace) -> Outcome:
 
     from chord_usd.workshop.data.floorplans.programme import spread_room_count
     from chord_usd.workshop.data.houses import random_plan
-    from chord_usd.workshop.data.searched import furnish_best
 
-    watch, lacks = stopwatch(options), _Lacking()
+    watch, lacks, furnish = stopwatch(options), _Lacking(), furnisher_of(options)
     with (
         output_folder(options.output, folder_mode(options)) as folder,
         watch.step("synth") as progress,
@@ -149,7 +139,7 @@ def run_synth(options: argparse.Namespace) -> Outcome:
             rooms = options.rooms or spread_room_count(seed)
             rng = np.random.default_rng(seed)
             plan = random_plan(rng, rooms)
-            scene = furnish_best(plan, rng, options.drafts, options.statistics)
+            scene = furnish(plan, rng)
             lacks.note(f"house_{seed:06d}", scene)
             _write_house(scene, folder / f"house_{seed:06d}", options.rasters)
             progress(index + 1, options.count)
@@ -168,19 +158,22 @@ def run_import(options: argparse.Namespace) -> Outcome:
 
     from chord_usd.line.pipeline import arrange_given
     from chord_usd.workshop.data.foreign import Models, foreign_houses, read_models_file
-    from chord_usd.workshop.data.searched import furnish_best
 
     models = read_models_file(existing_file(options.models)) if options.models else Models()
     if not options.source.is_dir():
         existing_file(options.source)
-    reading, lacks = _Reading(), _Lacking()
+    reading, lacks, furnish = _Reading(), _Lacking(), furnisher_of(options)
     watch = stopwatch(options)
     arranged = {"pieces": 0, "moved": 0, "left_out": 0}
     with output_folder(options.output, folder_mode(options)) as folder, watch.step("import"):
         for name, scene in reading.of(foreign_houses(options.source, models)):
             if options.furnish and not scene.items:
                 rng = np.random.default_rng((options.seed, reading.count))
-                scene = furnish_best(scene.plan, rng, options.drafts, options.statistics)
+                try:
+                    scene = furnish(scene.plan, rng)
+                except ChordError as error:
+                    reading.pass_over(name, error.what)
+                    continue
                 lacks.note(name, scene)
             if options.arrange:
                 arranged["pieces"] += len(scene.items)
@@ -342,6 +335,11 @@ class _Reading:
                 continue
             self.count += 1
             yield name, house
+
+    def pass_over(self, name: str, why: str) -> None:
+        """A house that was read, and that nothing can be made of."""
+        self.count -= 1
+        self.skipped[name] = why
 
     def refuse_none(self, source: Path) -> None:
         """Raises UsageError where nothing could be read."""

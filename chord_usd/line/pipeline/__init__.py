@@ -30,12 +30,12 @@ from chord_usd.line.pipeline.steps import (
     settle,
     write_stage,
 )
-from chord_usd.line.pipeline.whole_house import House, generate
+from chord_usd.line.pipeline.whole_house import House, furnished, generate
 
 __all__ = [
     "LISTS_CHECKPOINT", "THINGS_CHECKPOINT", "GraphReader", "House", "Models", "Settings",
     "arrange_given", "checkpoints", "draw_layout", "draw_plan", "dress_rooms",
-    "generate", "in_style", "lay_tables", "load_lists", "load_model", "load_models", "load_reader",
-    "load_usd", "read_plan", "read_scene_file", "refuse_shut", "require", "require_lists",
-    "sampling", "score_outliers", "settle", "write_stage",
+    "furnished", "generate", "in_style", "lay_tables", "load_lists", "load_model", "load_models",
+    "load_reader", "load_usd", "read_plan", "read_scene_file", "refuse_shut", "require",
+    "require_lists", "sampling", "score_outliers", "settle", "write_stage",
 ]  # fmt: skip

@@ -171,6 +171,22 @@ def generate(
     return House(building, tuple(storeys), stage, tuple(limits))
 
 
+def furnished(plan: Path, settings: Settings, models: Models) -> SceneGraph:
+    """The lowest storey of a plan file as generate furnishes it, neither dressed nor written.
+
+    Raises ChordError.
+    """
+    building = _stacked(read_storeys([plan], settings))
+    images = _checked(building, [plan], settings, Stopwatch())
+    style = style_named(settings.style or MIXED, settings.seed)
+    made = _begun(
+        building.storeys[0], plan, images[0], settings, models.in_style(style.name), style, {}
+    )
+    for name in ("list", "layout", "graph", "redraw", "settle"):
+        STEPS[name](made, lambda done, total: None)
+    return made.graph
+
+
 def list_pieces(made: FurnishedStorey, _: Progress) -> None:
     """List the pieces of each room, the draft that the painter sees."""
     made.listed = made.draw.listed(made.graph, made.plan.rooms)

@@ -10,16 +10,19 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from chord_usd.base.errors import SceneError
 from chord_usd.base.runtime.files import write_atomic
 from chord_usd.base.runtime.json_lines import read_lines
 from chord_usd.base.scene.chord_json import scene_from_json, scene_to_json
 from chord_usd.base.scene.types import Provenance, SceneGraph
+from chord_usd.workshop.data.searched import price_of
 
 FORMAT, VERSION = "chord-usd kept set", 1
 SUFFIX = ".jsonl.gz"
@@ -34,6 +37,16 @@ class KeptHouse:
     house: SceneGraph
     scores: Mapping[str, float] = field(default_factory=dict)
     """Why it was chosen, by the names of the scores."""
+
+
+def best_of(houses: Sequence[KeptHouse], share: float) -> list[KeptHouse]:
+    """This share of the houses, in (0, 1], with their prices: those whose rooms break the fewest
+    planning rules, in their order."""
+    if share >= 1.0:
+        return list(houses)
+    price = [price_of(kept.house) / len(kept.house.rooms) for kept in houses]
+    best = np.argsort(price, kind="stable")[: max(1, round(share * len(price)))]
+    return [replace(houses[at], scores={"price": round(price[at], 4)}) for at in sorted(best)]
 
 
 def write_kept(houses: Iterable[KeptHouse], target: Path) -> int:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from chord_usd.base.metrics.design.price import house_price
+from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.scene.types import Plan, SceneGraph
+from chord_usd.line.lists.put_back import put_back
 from chord_usd.line.lists.ranking import Ranking
 from chord_usd.line.lists.wishes import Asked
 from chord_usd.workshop.data.furnish import furnish
@@ -35,3 +39,20 @@ def furnish_best(
         }
     )
     return replace(bare, items=tuple(ranking.chosen()))
+
+
+def price_of(house: SceneGraph) -> float:
+    """What a house costs by planning rules and faults (metrics.design.price); 0 is the best."""
+    faults = room_faults(house, house.rooms)
+    by_id = {room.id: fault for room, fault in zip(house.rooms, faults, strict=True)}
+    return house_price(house, by_id)
+
+
+def repaired(house: SceneGraph, finish: Callable[[SceneGraph], SceneGraph]) -> SceneGraph:
+    """The house with what its rooms and the home lack by planning rules, as generate adds it to
+    lists (line.lists.put_back); the house as it is where that costs less.
+
+    finish: leaves out what must not stand.
+    """
+    rooms = {room.id for room in house.rooms}
+    return min(house, put_back(house, house, rooms, (), finish), key=price_of)
