@@ -71,7 +71,7 @@ test-tools: setup-dev
 	@command -v chromium >/dev/null || ($(call install,chromium)) || echo "no chromium: the page is not driven"
 
 test: test-tools
-	$(PARALLEL) -m 'not acceptance' tests/unit
+	$(PARALLEL) --dist loadfile -m 'not acceptance' tests/unit
 	$(PARALLEL) --dist loadfile --no-loadscope-reorder -m 'not alone and not acceptance' tests/end_to_end tests/step
 	$(BIN)/python -m pytest -m 'alone and not acceptance' $(ALONE)
 

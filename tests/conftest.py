@@ -31,6 +31,12 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # A process that outlives its test would serve the next one; test_worker.py starts its workers.
 os.environ[resident.VARIABLE] = "0"
 
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with the mark `long` first; otherwise in their order."""
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
+
+
 RunCli = Callable[..., "subprocess.CompletedProcess[str]"]
 
 TIMEOUT_S = 300

@@ -134,7 +134,7 @@ def failures(
     return run_in_blender("failures.py", plan, programs)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=later("wishes"))
 def wishes(run_in_blender: RunInBlender, house: Path, programs: Path) -> Told:
     """What is offered, told and drawn where a house is made of a text or an open plan."""
     return run_in_blender("wishes.py", ROOT / "examples" / "two_bedrooms.png", programs, house)

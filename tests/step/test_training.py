@@ -22,6 +22,8 @@ from chord_usd.workshop.training.stream import (
 )
 from chord_usd.workshop.training.trainer import PAPER_TRAINING, LayoutTrainer, TrainingConfig
 
+pytestmark = pytest.mark.long
+
 TINY = replace(
     PRESETS["default"], channels=(16, 32), attention=(False, False), feature_channels=16,
     default_steps=2,

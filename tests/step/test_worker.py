@@ -18,6 +18,8 @@ import pytest
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime import resident
 
+pytestmark = pytest.mark.long
+
 PLAN = Path(__file__).parents[1] / "fixtures" / "furnished_house.json"
 READ = ("plan", "read", "plan.json", "-o")
 SOON_S = 60.0

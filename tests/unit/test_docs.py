@@ -13,6 +13,7 @@ from chord_usd.cli import build_parser
 from chord_usd.library.catalogue import designs
 from tests.documents import CARDS, DOCUMENTS, ROOT, command_lines, fences, verb_of
 from tests.every import for_every
+from tests.unit.test_architecture import parsed
 from tests.verbs import ACTIONS, VERBS
 
 OPTIONS = {option for _, action in ACTIONS for option in action.option_strings}
@@ -90,7 +91,7 @@ def test_every_option_is_on_a_page() -> None:
 def remedies() -> Iterator[tuple[str, str]]:
     """What error lines say after "Try:": the module, and the text with X for what is filled in."""
     for file in sorted((ROOT / "chord_usd").rglob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text())):
+        for node in ast.walk(parsed(file)):
             if not isinstance(node, ast.keyword) or node.arg != "try_":
                 continue
             for text in ast.walk(node.value):
@@ -103,8 +104,8 @@ def remedies() -> Iterator[tuple[str, str]]:
 
 def test_commands_of_error_lines_can_be_typed() -> None:
     """Verbs and options of every "Try:" exist; pip installs what an index or a clone has."""
-    wrong = []
-    for file, text in remedies():
+    wrong, texts = [], list(remedies())
+    for file, text in texts:
         for line in re.findall(r"chord-usd [a-z][^,;(]*", text):
             words = line.split()[1:]
             is_verb = verb_of(line) or any(verb.startswith(f"{words[0]} ") for verb in VERBS)
@@ -114,7 +115,7 @@ def test_commands_of_error_lines_can_be_typed() -> None:
         named = set(re.findall(r"(?<![\w-])--[a-z][\w-]*", text))
         unknown = named - OPTIONS - OF_OTHERS
         wrong += [f"{file}: {option}" for option in unknown]
-    assert len(list(remedies())) > 100
+    assert len(texts) > 100
     assert wrong == []
 
 
