@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 
 from chord_usd.base.errors import OutputError
@@ -183,6 +184,63 @@ def test_floors_have_their_pictures_in_a_glb(glb: Path) -> None:
             assert mesh.visual.material.baseColorTexture.size[0] >= 256
             assert np.ptp(mesh.visual.uv, axis=0).min() > 0.2  # it spreads over the floor
             assert mesh.vertex_normals[:, 2].min() > 0.99  # up, in the frame of the mesh
+
+
+def test_pictures_hang_upright_in_a_glb(tmp_path: Path) -> None:
+    """glTF counts v from the top of a picture, USD from its foot."""
+    stage = Usd.Stage.CreateInMemory()
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/Wall").GetPrim())
+    mesh = UsdGeom.Mesh.Define(stage, "/Wall/Picture")
+    mesh.CreatePointsAttr([(0, 0, 0), (2, 0, 0), (2, 0, 1), (0, 0, 1)])
+    mesh.CreateFaceVertexCountsAttr([4])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex
+    )
+    st.Set([(0, 0), (1, 0), (1, 1), (0, 1)])
+    bind_textures(stage, mesh, tmp_path)
+    write_glb(stage, tmp_path / "wall.glb")
+    document = read_glb(tmp_path / "wall.glb")
+    ((part,),) = [one["primitives"] for one in document["meshes"]]
+    points, uvs, tangents = (
+        accessor(tmp_path / "wall.glb", part["attributes"][name])
+        for name in ("POSITION", "TEXCOORD_0", "TANGENT")
+    )
+    assert np.allclose(uvs, np.column_stack([points[:, 0] / 2, 1.0 - points[:, 2]]))
+    assert np.allclose(tangents, (1.0, 0.0, 0.0, 1.0))
+
+
+def bind_textures(stage: Usd.Stage, mesh: UsdGeom.Mesh, folder: Path) -> None:
+    """A material with a picture and a relief on it."""
+    material = UsdShade.Material.Define(stage, "/Wall/Look")
+    shader = UsdShade.Shader.Define(stage, "/Wall/Look/Surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    reader = UsdShade.Shader.Define(stage, "/Wall/Look/Reader")
+    reader.CreateIdAttr("UsdPrimvarReader_float2")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
+    for name, kind in (("diffuseColor", "Color3f"), ("normal", "Normal3f")):
+        Image.new("RGB", (2, 2), (128, 128, 255)).save(folder / f"{name}.png")
+        texture = UsdShade.Shader.Define(stage, f"/Wall/Look/{name}")
+        texture.CreateIdAttr("UsdUVTexture")
+        texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(str(folder / f"{name}.png"))
+        texture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(
+            reader.ConnectableAPI(), "result"
+        )
+        shader.CreateInput(name, getattr(Sdf.ValueTypeNames, kind)).ConnectToSource(
+            texture.ConnectableAPI(), "rgb"
+        )
+    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+
+
+def accessor(path: Path, place: int) -> np.ndarray:
+    """The values of an accessor of float vectors."""
+    document, data = read_glb(path), path.read_bytes()
+    entry = document["accessors"][place]
+    view = document["bufferViews"][entry["bufferView"]]
+    start = 28 + struct.unpack("<I", data[12:16])[0] + view["byteOffset"]
+    width = {"VEC2": 2, "VEC3": 3, "VEC4": 4}[entry["type"]]
+    return np.frombuffer(data, "<f4", entry["count"] * width, start).reshape(-1, width)
 
 
 def test_a_web_package_is_flat_and_whole(staged_house: Path, tmp_path: Path) -> None:

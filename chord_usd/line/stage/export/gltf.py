@@ -16,7 +16,7 @@ from chord_usd.line.stage.author.surfaces import bound_material
 from chord_usd.line.stage.export.gltf_file import Entry, GltfFile
 from chord_usd.line.stage.export.gltf_lights import LUX_PER_UNIT, camera_of, light_of
 from chord_usd.line.stage.export.gltf_looks import Looks
-from chord_usd.line.stage.read.vertices import Vertices, vertices_of
+from chord_usd.line.stage.read.vertices import Vertices, joined, tangents_of, vertices_of
 from chord_usd.line.stage.shell.roof import wear_roof
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -39,22 +39,29 @@ def write_view(stage: Path, target: Path) -> None:
     it offers, which the page leaves out until it is asked for. Raises StageError."""
     house = open_known(stage)
     wear_roof(house)
-    write_glb(house, target, VIEW_TEXTURE_PX)
+    write_glb(house, target, VIEW_TEXTURE_PX, tangents=False)
 
 
 def write_glb(
-    stage: Usd.Stage, target: Path, most_px: int | None = None, *, photometric: bool = False
+    stage: Usd.Stage,
+    target: Path,
+    most_px: int | None = None,
+    *,
+    photometric: bool = False,
+    tangents: bool = True,
 ) -> None:
     """Write what is seen of the stage to target, a .glb, in metres; pictures of at most most_px.
 
     Prims are nodes, with `extras` that say what they are; within a component only those that have
     a label or move are, and the meshes of one node and one material are one primitive. Lights are
     those that shine in the variants selected, at an exposure for rooms by day; photometric: in
-    candela and lux.
+    candela and lux. tangents: 16 bytes a vertex of what has a normal map, which browsers derive
+    and other readers may not.
     """
     # Pictures are packed by libraries that let Python go on meanwhile.
     with ThreadPoolExecutor(usable_cores()) as pool:
-        writer = _Writer(stage, pool, most_px, 1.0 if photometric else LUX_PER_UNIT)
+        lux_per_unit = 1.0 if photometric else LUX_PER_UNIT
+        writer = _Writer(stage, pool, most_px, lux_per_unit, tangents=tangents)
         root = writer.root(stage.GetDefaultPrim())
         writer.looks.finish()
     target.write_bytes(writer.file.to_bytes(root))
@@ -64,9 +71,16 @@ class _Writer:
     """Goes through the prims of a stage."""
 
     def __init__(
-        self, stage: Usd.Stage, pool: Executor, most_px: int | None, lux_per_unit: float
+        self,
+        stage: Usd.Stage,
+        pool: Executor,
+        most_px: int | None,
+        lux_per_unit: float,
+        *,
+        tangents: bool,
     ) -> None:
         self._lux_per_unit = lux_per_unit
+        self._has_tangents = tangents
         self.file = GltfFile()
         self.looks = Looks(self.file, pool, most_px)
         self._rooms = {room.GetPath() for room in room_prims(stage)}
@@ -161,17 +175,17 @@ class _Writer:
         return [self._primitive(material, found) for material, found in parts.items()]
 
     def _primitive(self, material: int | None, parts: list[Vertices]) -> Entry:
-        starts = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
-        triangles = [part.triangles + at for part, at in zip(parts, starts, strict=True)]
-        points = np.vstack([part.points for part in parts])
+        whole = joined(parts)
         attributes = {
-            "POSITION": self.file.add_vertices(points, bounded=True),
-            "NORMAL": self.file.add_vertices(np.vstack([part.normals for part in parts])),
+            "POSITION": self.file.add_vertices(whole.points, bounded=True),
+            "NORMAL": self.file.add_vertices(whole.normals),
         }
-        uvs = [part.uvs for part in parts if part.uvs is not None]
-        if uvs:
-            attributes["TEXCOORD_0"] = self.file.add_vertices(np.vstack(uvs))
-        entry = {"attributes": attributes, "indices": self.file.add_indices(np.vstack(triangles))}
+        if whole.uvs is not None:
+            downwards = np.column_stack([whole.uvs[:, 0], 1.0 - whole.uvs[:, 1]])
+            attributes["TEXCOORD_0"] = self.file.add_vertices(downwards)
+            if self._has_tangents and self.looks.has_relief(material):
+                attributes["TANGENT"] = self.file.add_vertices(tangents_of(whole))
+        entry = {"attributes": attributes, "indices": self.file.add_indices(whole.triangles)}
         return entry if material is None else entry | {"material": material}
 
 

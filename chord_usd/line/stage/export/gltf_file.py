@@ -13,7 +13,7 @@ from chord_usd import __version__
 Entry = dict[str, Any]
 
 _COMPONENTS = {"float32": 5126, "uint32": 5125, "uint16": 5123}
-_WIDTHS = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
+_WIDTHS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 _VERTICES, _INDICES = 34962, 34963
 _JSON, _BINARY = b"JSON", b"BIN\0"
 

@@ -43,6 +43,7 @@ class Looks:
         self._file = file
         self._read: dict[tuple[str, bool], Look] = {}
         self._places: dict[str, int] = {}
+        self._reliefs: set[int | None] = set()
         self._pictures = _Pictures(file, pool, most_px)
 
     def of(self, material: UsdShade.Material | None, *, two_sided: bool) -> Look | None:
@@ -59,8 +60,14 @@ class Looks:
             if content not in self._places:
                 named = {"name": material.GetPrim().GetName(), **entry}
                 self._places[content] = self._file.add("materials", named)
+                if "normalTexture" in entry:
+                    self._reliefs.add(self._places[content])
             self._read[key] = self._places[content], placement
         return self._read[key]
+
+    def has_relief(self, material: int | None) -> bool:
+        """Whether the material at a place has a normal map."""
+        return material in self._reliefs
 
     def finish(self) -> None:
         """Write the pictures, once all materials are there."""

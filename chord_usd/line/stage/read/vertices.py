@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,6 +60,49 @@ def vertices_of(prim: Usd.Prim, frame: FloatArray, placement: FloatArray | None)
             triangles = triangles[:, ::-1]
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     return Vertices(points, normals, None if uvs is None else uvs[first], triangles)
+
+
+def joined(parts: Sequence[Vertices]) -> Vertices:
+    """Several meshes as one. Either all of them have texture coordinates, or none."""
+    starts = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
+    uvs = [part.uvs for part in parts if part.uvs is not None]
+    return Vertices(
+        np.vstack([part.points for part in parts]),
+        np.vstack([part.normals for part in parts]),
+        np.vstack(uvs) if uvs else None,
+        np.vstack([part.triangles + at for part, at in zip(parts, starts, strict=True)]),
+    )
+
+
+def tangents_of(mesh: Vertices) -> FloatArray:
+    """(N, 4) directions in which u grows, at right angles to the normals and of length 1, and 1
+    where v then grows counter-clockwise of u, else -1 (Lengyel, "Tangent space", 2001)."""
+    assert mesh.uvs is not None
+    corner, right, left = (mesh.points[mesh.triangles[:, at]] for at in range(3))
+    (du, dv), (eu, ev) = (
+        (mesh.uvs[mesh.triangles[:, at]] - mesh.uvs[mesh.triangles[:, 0]]).T for at in (1, 2)
+    )
+    twist = du * ev - eu * dv
+    share = np.where(np.abs(twist) > 1e-20, 1.0 / np.where(twist == 0.0, 1.0, twist), 0.0)
+    along_u = (share * ev)[:, None] * (right - corner) - (share * dv)[:, None] * (left - corner)
+    along_v = (share * du)[:, None] * (left - corner) - (share * eu)[:, None] * (right - corner)
+    summed = np.zeros((2, len(mesh.points), 3))
+    for at in range(3):
+        for which, along in enumerate((along_u, along_v)):
+            np.add.at(summed[which], mesh.triangles[:, at], along)
+    tangents = _upright(summed[0], mesh.normals)
+    hand = np.sum(np.cross(mesh.normals, tangents) * summed[1], axis=1)
+    return np.column_stack([tangents, np.where(hand < 0.0, -1.0, 1.0)])
+
+
+def _upright(along: FloatArray, normals: FloatArray) -> FloatArray:
+    """(N, 3) directions turned at right angles to normals; any such where there is none."""
+    across = along - normals * np.sum(along * normals, axis=1, keepdims=True)
+    axis = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
+    lengths = np.linalg.norm(across, axis=1, keepdims=True)
+    across = np.where(lengths > 1e-12, across, np.cross(normals, axis))
+    upright: FloatArray = across / np.linalg.norm(across, axis=1, keepdims=True)
+    return upright
 
 
 def _uvs(prim: Usd.Prim, corners: np.ndarray, placement: FloatArray) -> FloatArray:
