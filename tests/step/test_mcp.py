@@ -268,10 +268,14 @@ def test_calls_on_one_house_wait_and_on_two_do_not(root: Path) -> None:
         (root / name).write_text("#usda 1.0\n")
     at_work: list[str] = []
     together: set[tuple[str, ...]] = set()
+    both = asyncio.Event()
 
     async def slow(words: Any, root: Path, told: Told) -> Answer:
         at_work.append(words[1])
         together.add(tuple(sorted(at_work)))
+        if len(set(at_work)) == 2:
+            both.set()
+        await asyncio.wait_for(both.wait(), 60.0)  # however late the other call comes
         await asyncio.sleep(0.05)
         at_work.remove(words[1])
         return Answer({}, True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import re
 import signal
@@ -31,6 +30,7 @@ from tests.page_stand_in import (
     BED,
     PLAN,
     PNG,
+    SOON_S,
     StandIn,
     ask,
     browser,
@@ -298,10 +298,10 @@ def test_the_verb_serves_lightly_and_ends_in_order(
     status = Path(f"/proc/{process.pid}/status").read_text()
     assert int(re.search(r"VmRSS:\s+(\d+) kB", status)[1]) < 250 * 1024  # type: ignore[index]
     second, nothing = server()
-    assert (second.wait(10), nothing) == (2, "")
+    assert (second.wait(SOON_S), nothing) == (2, "")
     assert "another server has this folder" in second.stderr.read()  # type: ignore[union-attr]
     process.send_signal(signal.SIGTERM)
-    assert process.wait(10) == 0
+    assert process.wait(SOON_S) == 0
 
 
 def test_half_a_head_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -321,13 +321,11 @@ def test_half_a_head_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.Monke
             line.sendall(before)
             if before:
                 assert line.recv(12) == b"HTTP/1.1 401"
-            began = time.monotonic()
-            with contextlib.suppress(ConnectionError):
+            with pytest.raises(ConnectionError):  # the server ended it
                 line.sendall(b"GET / HTTP/1.1\r\n")
                 for number in range(40):
                     line.sendall(b"X-%d: a\r\n" % number)
                     time.sleep(0.1)
-            assert time.monotonic() - began < 3.0
     running.should_exit = True
     thread.join(5.0)
 
@@ -339,7 +337,7 @@ def test_a_port_in_use_is_an_error(
         other.bind(("127.0.0.1", 0))
         other.listen()
         process, _ = server("--port", str(other.getsockname()[1]))
-        assert process.wait(10) == 2
+        assert process.wait(SOON_S) == 2
         assert "Try: --port 0" in process.stderr.read()  # type: ignore[union-attr]
 
 

@@ -7,7 +7,6 @@ import io
 import os
 import stat
 import struct
-import time
 import zipfile
 import zlib
 from pathlib import Path
@@ -167,11 +166,9 @@ def test_what_is_there_already_is_not_overwritten(tmp_path: Path) -> None:
 
 
 def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "a.zip")
-    began = time.monotonic()
+    os.mkfifo(tmp_path / "a.zip")  # nobody writes to it: whoever waits, waits for ever
     with pytest.raises(StageError, match="no regular file"):
         Archive(tmp_path / "a.zip", StageError)
-    assert time.monotonic() - began < 1.0
 
 
 def test_a_package_is_stored_as_it_is(tmp_path: Path) -> None:

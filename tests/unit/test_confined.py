@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ if sys.platform != "linux":
     pytest.skip("limits and signals as Linux has them", allow_module_level=True)
 
 WHERE = "plan.pdf"
+SOON_S = 60.0
 ENDLESS = (3, 10**9)
 """Powers of three: minutes in C, during which the interpreter hears no signal."""
 
@@ -161,12 +163,9 @@ def test_signals_to_the_caller_end_both(number: signal.Signals, to_group: bool) 
         assert caller.stdout.readline() == "started\n"
         child = busy_child(caller.pid)
         (os.killpg if to_group and number != signal.SIGKILL else os.kill)(caller.pid, number)
-        began = time.monotonic()
         said = caller.stdout.read()
-        code = caller.wait(5)
-        while lives(child) and time.monotonic() - began < 5.0:
-            time.sleep(0.01)
-        assert time.monotonic() - began < 1.0
+        code = caller.wait(SOON_S)
+        until(lambda: not lives(child))
     assert (code, said) == ((-9, "") if number == signal.SIGKILL else (7, "told\n"))
 
 
@@ -185,10 +184,22 @@ def lives(pid: int) -> bool:
 
 def busy_child(pid: int) -> int:
     """The caller's child, once it computes."""
-    for _ in range(500):
+    computing: list[int] = []
+
+    def computes() -> bool:
         for child in children_of(pid):
             ticks = Path(f"/proc/{child}/stat").read_text().rsplit(")", 1)[1].split()[11]
             if int(ticks) > 30:
-                return child
+                computing.append(child)
+        return bool(computing)
+
+    until(computes)
+    return computing[0]
+
+
+def until(holds: Callable[[], bool]) -> None:
+    """Wait for a state: the child would compute for ever, however busy the machine is."""
+    end = time.monotonic() + SOON_S
+    while not holds():
+        assert time.monotonic() < end, "the state did not come"
         time.sleep(0.01)
-    raise AssertionError("the caller started no child")
