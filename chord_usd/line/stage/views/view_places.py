@@ -152,44 +152,73 @@ def _behind_walls(floor: Polygon, things: Sequence[Item], effort: Effort) -> Ite
         along = (end - start) / length_m
         inwards = np.array([-along[1], along[0]])
         heading_deg = math.degrees(math.atan2(inwards[1], inwards[0]))
+        cuts = _Cuts(along, inwards, standing, clear)
         for share in effort.shares:
             foot = start + share * (end - start)
             worth = 1.0 if share == 0.5 else 0.97
-            for behind_m in effort.behind_m:
-                half_m = (behind_m + _CUT_M) * _HALF_WIDTH
-                cut_m = _cut_m(foot, along, inwards, half_m, standing)
-                if cut_m is None:
+            for behind_m, cut_m, beside_m in cuts.at(foot, effort.behind_m):
+                position, near_m = foot - behind_m * inwards, behind_m + cut_m
+                yield Stand(position, near_m, heading_deg, beside_m, worth)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cuts:
+    """How much is cut away with a wall that one looks through."""
+
+    along: FloatArray
+    """(2,) unit vector of the wall."""
+    inwards: FloatArray
+    """(2,) unit vector into the room."""
+    standing: npt.NDArray[np.object_]
+    """Footprints."""
+    clear: BaseGeometry
+    """The floor beside these."""
+
+    def at(
+        self, foot: FloatArray, behind_m: Sequence[float]
+    ) -> Iterator[tuple[float, float, float]]:
+        """Of distances behind a point of the wall, those from which one sees in: each with the
+        depth that is cut away, and with how far clear floor goes on to both sides there."""
+        halves_m = [(own_m + _CUT_M) * _HALF_WIDTH for own_m in behind_m]
+        beside: dict[float, float] = {}
+        for own_m, half_m, cut_m in zip(
+            behind_m, halves_m, self._cuts_m(foot, halves_m), strict=True
+        ):
+            if cut_m is None:
+                continue
+            if cut_m not in beside:
+                beside[cut_m] = self._beside_m(foot + cut_m * self.inwards)
+            if half_m <= beside[cut_m]:
+                yield own_m, cut_m, beside[cut_m]
+
+    def _beside_m(self, middle: FloatArray) -> float:
+        """How far clear floor goes on to both sides of a point, at least."""
+        line = shapely.LineString([middle - _FAR_M * self.along, middle + _FAR_M * self.along])
+        return float(line.difference(self.clear).distance(shapely.Point(middle)))
+
+    def _cuts_m(self, foot: FloatArray, halves_m: Sequence[float]) -> list[float | None]:
+        """How much is cut away for each half width: what stands there whole; None where that is
+        too much."""
+        cuts_m: list[float | None] = [None] * len(halves_m)
+        tried_m = dict.fromkeys(range(len(halves_m)), _CUT_M)
+        for _ in range(3):
+            strips = [self._strip(foot, halves_m[nth], cut_m) for nth, cut_m in tried_m.items()]
+            meets = shapely.intersects(shapely.polygons(strips)[:, None], self.standing[None])
+            for nth, met in zip(list(tried_m), meets, strict=True):
+                cut_m = tried_m.pop(nth)
+                if not met.any():
+                    cuts_m[nth] = cut_m
                     continue
-                beside_m = _beside_m(clear, foot + cut_m * inwards, along)
-                if half_m <= beside_m:
-                    position, near_m = foot - behind_m * inwards, behind_m + cut_m
-                    yield Stand(position, near_m, heading_deg, beside_m, worth)
+                corners = shapely.get_coordinates(self.standing[met])
+                cut_m = float(((corners - foot) @ self.inwards).max()) + _BEYOND_PIECE_M
+                if cut_m <= _DEEPEST_CUT_M:
+                    tried_m[nth] = cut_m
+            if not tried_m:
+                break
+        return cuts_m
 
-
-def _beside_m(clear: BaseGeometry, middle: FloatArray, along: FloatArray) -> float:
-    """How far clear floor goes on to both sides of a point, at least."""
-    line = shapely.LineString([middle - _FAR_M * along, middle + _FAR_M * along])
-    return float(line.difference(clear).distance(shapely.Point(middle)))
-
-
-def _cut_m(
-    foot: FloatArray,
-    along: FloatArray,
-    inwards: FloatArray,
-    half_m: float,
-    standing: npt.NDArray[np.object_],
-) -> float | None:
-    """How much is cut away with a wall: what stands there whole; None where that is too much."""
-    ends = (foot - half_m * along, foot + half_m * along)
-    cut_m = _CUT_M
-    for _ in range(3):
-        near, far = cut_m * inwards, (cut_m + _BEFORE_CUT_M) * inwards
-        strip = Polygon([ends[0] + near, ends[1] + near, ends[1] + far, ends[0] + far])
-        met = standing[shapely.intersects(strip, standing)]
-        if not len(met):
-            return cut_m
-        corners = shapely.get_coordinates(met)
-        cut_m = float(((corners - foot) @ inwards).max()) + _BEYOND_PIECE_M
-        if cut_m > _DEEPEST_CUT_M:
-            return None
-    return None
+    def _strip(self, foot: FloatArray, half_m: float, cut_m: float) -> FloatArray:
+        """(4, 2) where nothing may stand."""
+        ends = (foot - half_m * self.along, foot + half_m * self.along)
+        near, far = cut_m * self.inwards, (cut_m + _BEFORE_CUT_M) * self.inwards
+        return np.array([ends[0] + near, ends[1] + near, ends[1] + far, ends[0] + far])

@@ -223,26 +223,23 @@ class _Room:
         """(K, H) shares of the floor and of the pieces, each of which counts less in part."""
         eye_m = np.array([*stand.position_m, EYE_M])
         sights = np.concatenate([self._floor_m, self._pieces_m]) - eye_m
-        turns = [stand.heading_deg] if stand.heading_deg is not None else TURNS_DEG
-        turn = np.radians(turns)
-        depth = np.outer(np.cos(turn), sights[:, 0]) + np.outer(np.sin(turn), sights[:, 1])
-        across = np.outer(-np.sin(turn), sights[:, 0]) + np.outer(np.cos(turn), sights[:, 1])
-        ahead = np.where(depth > stand.near_m, depth, np.nan)
-        with np.errstate(invalid="ignore"):
-            beside, above = np.abs(across / ahead), sights[:, 2] / ahead
-        in_width = beside[None] < SENSOR_MM[0] / 2 / _LENS_MM[:, None, None]
-        shift_mm = _SHIFT_MM[:, None, None]
-        upright = np.abs(above[None] * _LENS_MM[:, None, None] - shift_mm) < SENSOR_MM[1] / 2
-        shown = in_width & upright & self._is_seen(stand, eye_m, sights)
+        seen = self._is_seen(stand, eye_m, sights)
         floor_points = len(self._floor_m)
-        floor = shown[..., :floor_points].mean(axis=2)
+        in_sight = sights[:floor_points][seen[:floor_points]]
+        shown, _ = _in_pictures(stand, in_sight)
+        floor = np.count_nonzero(shown, axis=2) / floor_points
         if not len(self._weights):  # then the floor is all there is to see
             return floor, floor
+        of_pieces = seen[floor_points:].reshape(len(self._weights), -1)
+        some = of_pieces.any(axis=1)
+        points = sights[floor_points:].reshape(*of_pieces.shape, 3)[some].reshape(-1, 3)
+        shown, aside = _in_pictures(stand, points)
+        shown &= of_pieces[some].reshape(-1)
         # What is at the edge is there, but the picture is not of it.
-        aside = beside[:, floor_points:] * _LENS_MM[:, None, None] / (SENSOR_MM[0] / 2)
-        worth = np.where(shown[..., floor_points:], 1.0 - _ASIDE * aside, 0.0)
-        points = worth.reshape(*shown.shape[:2], len(self._weights), -1)
-        return floor, (points.mean(axis=3) ** 1.5) @ self._weights
+        worth = np.where(shown, 1.0 - _ASIDE * aside, 0.0)
+        shares = np.zeros((*shown.shape[:2], len(some)))
+        shares[..., some] = worth.reshape(*shown.shape[:2], -1, of_pieces.shape[1]).mean(axis=3)
+        return floor, (shares**1.5) @ self._weights
 
     def _is_seen(self, stand: Stand, eye_m: FloatArray, sights: FloatArray) -> BoolArray:
         """(N,) whether nothing stands before each sight; an item does not hide itself."""
@@ -262,6 +259,25 @@ class _Room:
         ]
         seen: BoolArray = np.minimum(walls, np.concatenate(first)) > 0.98
         return seen
+
+
+def _in_pictures(stand: Stand, sights: FloatArray) -> tuple[BoolArray, FloatArray]:
+    """(K, H, N) whether each sight, (N, 3), is in the picture of each lens in each direction, and
+    how far from the middle of the picture to its edge."""
+    turns = [stand.heading_deg] if stand.heading_deg is not None else TURNS_DEG
+    turn = np.radians(turns)
+    depth = np.outer(np.cos(turn), sights[:, 0]) + np.outer(np.sin(turn), sights[:, 1])
+    across = np.outer(-np.sin(turn), sights[:, 0]) + np.outer(np.cos(turn), sights[:, 1])
+    ahead = np.where(depth > stand.near_m, depth, np.nan)
+    lens_mm = np.array([lens for lens, _ in _LENSES_MM])[:, None, None, None]
+    shift_mm = np.array([shift for shift, _ in _SHIFTS_MM])[:, None, None]
+    with np.errstate(invalid="ignore"):
+        beside, above = np.abs(across / ahead), sights[:, 2] / ahead
+        in_width = beside < SENSOR_MM[0] / 2 / lens_mm
+        upright = np.abs(above * lens_mm - shift_mm) < SENSOR_MM[1] / 2
+    shown = (in_width & upright).reshape(len(_LENS_MM), *depth.shape)
+    aside = np.repeat(beside * lens_mm / (SENSOR_MM[0] / 2), len(_SHIFTS_MM), axis=1)
+    return shown, aside.reshape(shown.shape)
 
 
 def _largest(items: Sequence[Item], count: int) -> list[Item]:
