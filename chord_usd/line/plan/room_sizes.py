@@ -18,7 +18,7 @@ _PART_MISMATCH = math.log(1.05)
 _LEAST_SHARE = 0.4
 """Of a room's floor is the rectangle whose size is printed."""
 _FILLED = 0.85
-"""...and of that rectangle, where none is all floor, what is floor."""
+"""...and of that rectangle, what is floor, where it says the scale."""
 _TORN_SHARE = 0.02
 """Of the room's longer side: corners that are nearer are one."""
 _MOST_PLACES = 24
@@ -37,7 +37,8 @@ def scales_by_sides(
     """
     whole = _scale(room.bounds, sides_m, _MOST_MISMATCH)
     found = [] if whole is None else [whole]
-    for bounds in rectangles_in(room, sides_m, at_px, _PART_MISMATCH, sizes):
+    # Wardrobes and shafts stand in what is measured; no walls are moved by such rectangles.
+    for bounds in rectangles_in(room, sides_m, at_px, _PART_MISMATCH, sizes, _FILLED):
         scale = _scale(bounds, sides_m, _PART_MISMATCH)
         if scale is not None and all(abs(math.log(scale / one)) > _ALIKE for one in found):
             found.append(scale)
@@ -58,10 +59,16 @@ def _scale(
 
 
 def rectangles_in(
-    room: Polygon, sides_m: Sequence[float], at_px: FloatArray, most: float, sizes: int = 1
+    room: Polygon,
+    sides_m: Sequence[float],
+    at_px: FloatArray,
+    most: float,
+    sizes: int = 1,
+    filled: float = 1.0 - 1e-6,
 ) -> Iterator[tuple[float, float, float, float]]:
     """Bounds of rectangles between the room's corners that hold a place (2,), the largest first:
-    those whose proportions are those of two sides to within most, a logarithm."""
+    those whose proportions are those of two sides to within most, a logarithm, and of which a share
+    of filled is floor."""
     reach = _TORN_SHARE * max(np.ptp(np.array(room.bounds).reshape(2, 2), axis=0))
     corners = np.asarray(room.simplify(reach).exterior.coords)
     x, y = at_px
@@ -79,9 +86,9 @@ def rectangles_in(
         if (east - west) * (south - north) >= _LEAST_SHARE * room.area / sizes
         and _scale((west, north, east, south), sides_m, most) is not None
     ]
-    # Wardrobes and shafts stand in what is measured.
+    inner = room.buffer(reach)
     for bounds in sorted(found, key=_area, reverse=True):
-        if room.intersection(box(*bounds)).area >= _FILLED * _area(bounds):
+        if inner.intersection(box(*bounds)).area >= filled * _area(bounds):
             yield bounds
 
 
