@@ -19,7 +19,7 @@ from chord_usd.base.places.wall_frames import WallFrame
 from chord_usd.base.scene.geometry import front_direction, to_world
 from chord_usd.base.scene.types import Box, Item
 from chord_usd.base.scene.units import wrap_deg
-from chord_usd.line.lists.changes import Change, at_walls, but, new_piece
+from chord_usd.line.lists.changes import Change, Propose, at_walls, but, new_piece
 
 DEPTH_M, HEIGHT_M = 0.8, 0.75
 CHAIR_M = (0.45, 0.5, 0.9)
@@ -116,13 +116,13 @@ def more_chairs(view: View, seats: int) -> Iterator[Change]:
                            *round_table(top, counts, size, view.shell.room.id))  # fmt: skip
 
 
-def eat_in(view: View, seats: int, compose: Compose) -> Iterator[Change]:
-    """A kitchen composed around a table for so many, that keeps nearly as many rules as before."""
+def composed_around(view: View, propose: Propose, compose: Compose) -> Iterator[Change]:
+    """A kitchen with what is proposed where it has no units, which are composed around that; one
+    that keeps nearly as many rules as before."""
     least = _share_kept(view) - _MOST_LOST
     units = [at for at, name in enumerate(view.categories) if name in KITCHEN_UNITS]
-    rest = but(view, units)
-    laid = list(laid_table(View(view.shell, rest, view.hung), seats))
-    for items in laid[:: 1 + len(laid) // _COMPOSED]:
+    options = list(propose(View(view.shell, but(view, units), view.hung)))
+    for items in options[:: 1 + len(options) // _COMPOSED]:
         stays = [_pulled_out(item) if item.category == "chair" else item for item in items]
         composed = compose(view, stays)
         if composed and _share_kept(View(view.shell, (*items, *composed), view.hung)) >= least:

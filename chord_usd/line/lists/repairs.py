@@ -29,7 +29,7 @@ from chord_usd.base.scene.types import Box, FloatArray, RoomKind
 from chord_usd.line.lists.changes import Change, Propose, Size, at_walls, but, new_piece
 from chord_usd.line.lists.dining_changes import (
     Compose,
-    eat_in,
+    composed_around,
     laid_instead,
     laid_table,
     more_chairs,
@@ -56,16 +56,18 @@ Repair = tuple[int, Iterator[Propose]]
 def repairs(home: HomeView, rule: str, compose: Compose | None = None) -> Iterator[Repair]:
     """Rooms that can give their home what a rule of it lacks, the most fitting first.
 
-    compose: makes kitchens anew around a table.
+    compose: makes kitchens again around a table or a shoe cabinet.
     """
     by_rule = _BY_RULE.get(rule)
-    yield from by_rule(home) if by_rule else _EATEN[rule](home, compose)
+    yield from by_rule(home) if by_rule else _COMPOSING[rule](home, compose)
 
 
 def lacking(home: HomeView) -> list[str]:
     """Names of the rules that a home breaks and that pieces may mend, in order."""
     broken = {finding.rule for finding in judged_home(home).findings}
-    return [rule for rule in dict.fromkeys((NO_HOME_WITHOUT, *_EATEN, *_BY_RULE)) if rule in broken]
+    return [
+        rule for rule in dict.fromkeys((NO_HOME_WITHOUT, *_COMPOSING, *_BY_RULE)) if rule in broken
+    ]
 
 
 def _of_kinds(home: HomeView, kinds: Sequence[RoomKind]) -> list[int]:
@@ -124,7 +126,8 @@ def _tables(home: HomeView, at: int, compose: Compose | None) -> Iterator[Propos
             yield partial(laid_instead, seats=seats)
     if compose and room.shell.kind == "kitchen" and not home.of("dining_table"):
         yield from (
-            partial(eat_in, seats=seats, compose=compose) for seats in dict.fromkeys((most, 2))
+            partial(composed_around, propose=partial(laid_table, seats=seats), compose=compose)
+            for seats in dict.fromkeys((most, 2))
         )
 
 
@@ -153,14 +156,22 @@ def _wardrobes(home: HomeView) -> Iterator[Repair]:
         yield at, (partial(_another, category="cabinet", size=size) for size in sizes)
 
 
-def _shoes(home: HomeView) -> Iterator[Repair]:
+def _shoes(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
+    """Rooms near the front door; the room that a home without a living room lives in; a kitchen,
+    composed around the cabinet."""
     if home.entrance is None:
         return
     door = np.array(home.entrance.box.center_m[:2])
-    for at, room in enumerate(home.rooms):
-        near = np.hypot(*(room.shell.room.polygon_m - door).T).min() < 2 * NEAR_DOOR_M
-        if near and stands_in("shoe_cabinet", room.shell.kind):
-            yield at, iter([partial(_by_door, door=door)])
+    near = [at for at, room in enumerate(home.rooms)
+            if np.hypot(*(room.shell.room.polygon_m - door).T).min() < 2 * NEAR_DOOR_M]  # fmt: skip
+    by_door = partial(_by_door, door=door)
+    for at in near:
+        shell = home.rooms[at].shell
+        if stands_in("shoe_cabinet", shell.kind) or shell.is_lived_in:
+            yield at, iter([by_door])
+    for at in near if compose else ():
+        if home.rooms[at].shell.kind == "kitchen":
+            yield at, iter([partial(composed_around, propose=by_door, compose=compose)])
 
 
 def _hall(home: HomeView) -> Iterator[Repair]:
@@ -212,10 +223,10 @@ def _another(view: View, category: str, size: Size) -> Iterator[Change]:
         yield (*view.items, new_piece(view, category, box, len(view.of(category))))
 
 
-_EATEN: Mapping[str, Callable[[HomeView, Compose | None], Iterator[Repair]]] = {
-    TABLE: _table, DINERS: _diners,
+_COMPOSING: Mapping[str, Callable[[HomeView, Compose | None], Iterator[Repair]]] = {
+    TABLE: _table, DINERS: _diners, SHOES: _shoes,
 }  # fmt: skip
 _BY_RULE: Mapping[str, Callable[[HomeView], Iterator[Repair]]] = {
     NO_HOME_WITHOUT: _needed, TELEVISION: _television,
-    WARDROBES: _wardrobes, SHOES: _shoes, HALL: _hall, LAUNDRY: _laundry, STORAGE: _storage,
+    WARDROBES: _wardrobes, HALL: _hall, LAUNDRY: _laundry, STORAGE: _storage,
 }  # fmt: skip
