@@ -333,3 +333,17 @@ def test_nothing_that_opens_stays_before_a_wall() -> None:
         left[kind] = after.categories
     assert left["washroom"] == ["washbasin"]
     assert "cabinet" in left["corridor"]
+
+
+def test_a_hall_whose_corners_are_far_from_its_door_gets_shoes() -> None:
+    """A front door in the middle of a wall of 14 m."""
+    room = Room("hall", "living", frozen_array([(0, 0), (14, 0), (14, 9), (0, 9)]))
+    bath = Room("bathroom", "bathroom", frozen_array([(14.24, 0), (16, 0), (16, 2), (14.24, 2)]))
+    front = Opening("front", "door", Box((7.0, -0.12, 0.0), (0.9, 0.24, 2.1), 0.0), ("hall",))
+    inner = Opening(
+        "d", "door", Box((14.12, 1.0, 0.0), (0.8, 0.24, 2.1), 90.0), ("hall", "bathroom")
+    )
+    bed = Item("hall/bed_0", "bed", Box((3.0, 7.9, 0.0), (1.6, 2.1, 1.0), 0.0), "hall")
+    home = SceneGraph((room, bath), (front, inner), (bed,))
+    assert SHOES in _broken(home)
+    assert SHOES not in _broken(_repaired(home))

@@ -23,7 +23,7 @@ from chord_usd.base.metrics.design.home_rules import (
     TELEVISION,
     WARDROBES,
 )
-from chord_usd.base.metrics.design.view import HomeView, View
+from chord_usd.base.metrics.design.view import HomeView, View, distances
 from chord_usd.base.metrics.rooms import stands_in
 from chord_usd.base.scene.types import Box, FloatArray, RoomKind
 from chord_usd.line.lists.changes import Change, Propose, Size, at_walls, but, new_piece
@@ -163,7 +163,7 @@ def _shoes(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
         return
     door = np.array(home.entrance.box.center_m[:2])
     near = [at for at, room in enumerate(home.rooms)
-            if np.hypot(*(room.shell.room.polygon_m - door).T).min() < 2 * NEAR_DOOR_M]  # fmt: skip
+            if distances(door[None], room.shell.sides).min() < NEAR_DOOR_M]  # fmt: skip
     by_door = partial(_by_door, door=door)
     for at in near:
         shell = home.rooms[at].shell
