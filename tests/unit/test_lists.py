@@ -20,7 +20,8 @@ from chord_usd.base.metrics.design.view import View
 from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.metrics.violations import room_faults
 from chord_usd.base.metrics.walk import ways_shut
-from chord_usd.base.scene.palette import HOUSE_CATEGORIES
+from chord_usd.base.scene.geometry import footprint
+from chord_usd.base.scene.palette import HOUSE_CATEGORIES, category
 from chord_usd.base.scene.pose import Pose, posed
 from chord_usd.base.scene.types import (
     Box,
@@ -79,6 +80,16 @@ def test_what_is_told_and_read_back_is_the_same_home(count: int) -> None:
     assert np.mean([score.overlap.piou for score in scores]) < 2e-5
     outside = sum(len(score.out_of_room) for score in scores)
     assert outside <= 0.05 * sum(score.items for score in scores)
+
+
+def test_pieces_of_a_list_for_a_hall_are_no_larger_than_they_are_made() -> None:
+    """Networks see a room of 20 m as one of 8 m, and write sofas of 5 m into it."""
+    hall = Room("hall", "living", frozen_array([(0, 0), (20, 0), (20, 20), (0, 20)]))
+    sofa = Item("hall/sofa_0", "sofa", Box((6.0, 19.0, 0.0), (5.3, 2.0, 0.8), 0.0), "hall")
+    (read,) = told_and_read(SceneGraph((hall,), (), (sofa,))).items
+    row = category("sofa")
+    assert read.box.size_m[:2] == (row.length_m[1], row.width_m[1])
+    assert footprint(read.box)[0][1] == pytest.approx(20.0)
 
 
 def _renamed(graph: SceneGraph) -> SceneGraph:

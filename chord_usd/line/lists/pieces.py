@@ -21,7 +21,7 @@ import shapely
 from chord_usd.base.metrics.clear_floor import ClearFloor, clearances
 from chord_usd.base.metrics.overlap import MIN_OVERLAP_M2
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
-from chord_usd.base.scene.geometry import footprint, room_polygon
+from chord_usd.base.scene.geometry import footprint, resized, room_polygon
 from chord_usd.base.scene.palette import CATEGORIES, Category, Level, Mount, ranked
 from chord_usd.base.scene.types import (
     LEARNED_KINDS,
@@ -404,10 +404,19 @@ def items_from(elements: Iterable[Element], around: Around, room_id: str) -> lis
         if box is None:
             continue
         category = CATEGORY_ORDER[element.category]
+        if around.frame.scale < 1.0:
+            box = _as_made(box, CATEGORIES[category])
         number = counts.get(category, 0)
         counts[category] = number + 1
         items.append(Item(f"{room_id}/{category}_{number}", category, box, room_id))
     return items
+
+
+def _as_made(box: Box, row: Category) -> Box:
+    """No larger than such pieces are made, its back in place: networks see large rooms smaller, and
+    fill them."""
+    length, depth = (min(box.size_m[0], row.length_m[1]), min(box.size_m[1], row.width_m[1]))
+    return resized(box, (length, depth), (0.0, (box.size_m[1] - depth) / 2))
 
 
 def of_length(
