@@ -169,8 +169,8 @@ def _shoes(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
         shell = home.rooms[at].shell
         if stands_in("shoe_cabinet", shell.kind) or shell.is_lived_in:
             yield at, iter([by_door])
-    for at in near if compose else ():
-        if home.rooms[at].shell.kind == "kitchen":
+    for at in near:
+        if compose and home.rooms[at].shell.kind == "kitchen":
             yield at, iter([partial(composed_around, propose=by_door, compose=compose)])
 
 
