@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import numpy.typing as npt
+import trimesh
 from PIL import Image
 from pxr import Usd, UsdGeom, UsdShade
 
@@ -127,11 +128,15 @@ class Assets:
         return self._meshes[key]
 
     def hull(self, points: FloatArray) -> str:
-        """Name of a mesh that is felt as the hull of points, (N, 3)."""
+        """Name of a mesh that is felt as the hull of points, (N, 3). It is a file: Drake passes
+        over vertices in the model."""
         told = numbers(points.ravel())
         if told not in self._hulls:
+            solid = trimesh.convex.convex_hull(points)
+            around = Vertices(solid.vertices, solid.vertex_normals, None, solid.faces)
             self._hulls[told] = self._free("mesh", "hull")
-            one = {"name": self._hulls[told], "vertex": told, "inertia": "convex"}
+            file = self._written("hull", [around])
+            one = {"name": self._hulls[told], "file": file, "inertia": "convex"}
             ET.SubElement(self.element, "mesh", one)
         return self._hulls[told]
 
@@ -140,6 +145,10 @@ class Assets:
         sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         if np.linalg.norm(sides, axis=1).sum() / 2 < _LEAST_M2:
             return None
+        return self._written(name, parts)
+
+    def _written(self, name: str, parts: list[Vertices]) -> str:
+        """Name of the file of a mesh; equal ones are one file."""
         data = _obj(parts).encode()
         key = hashlib.sha256(data).digest()
         if key not in self._files:

@@ -23,6 +23,10 @@ _LEAST_KG_M2 = 1e-9
 _UNFELT_KG, _UNFELT_M = 1.0, 0.05
 """Mass and radius of a body that nothing says anything about."""
 
+STILL = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
+"""Of a body that stands still, where no engine asks for it, but Drake computes one from meshes if
+there is none, and refuses sheets."""
+
 
 @dataclass(frozen=True, eq=False)
 class PieceOfMass:

@@ -24,7 +24,7 @@ from chord_usd.line.stage.export.exchange.mjcf_frames import (
 )
 from chord_usd.line.stage.export.exchange.mjcf_geoms import Shape, friction_of, shapes_of, solid_of
 from chord_usd.line.stage.export.exchange.mjcf_looks import MESHES, TEXTURES, Assets, seen_of
-from chord_usd.line.stage.export.exchange.mjcf_masses import Masses, PieceOfMass
+from chord_usd.line.stage.export.exchange.mjcf_masses import STILL, Masses, PieceOfMass
 from chord_usd.line.stage.export.gltf_lights import light_of
 from chord_usd.line.stage.read.vertices import Vertices
 
@@ -128,6 +128,8 @@ class _Writer:
                 ET.SubElement(element, "camera", {"name": name_of(prim), **told})
         if body.moves:
             self._masses.share(body.prim, element, felt, self._frames)
+        elif element.tag == "body":
+            element.insert(0, ET.Element("inertial", STILL))
         self._looks(body, element)
 
     def _collider(
