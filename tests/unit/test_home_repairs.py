@@ -117,6 +117,8 @@ def test_shoes_leave_the_floor_behind_the_front_door() -> None:
     others = tuple(item for item in home.items if item.room_id != "kitchen")
     changes = [change for propose in proposals for change in propose(view_home(home).rooms[at])]
     after = [replace(home, items=(*others, *change)) for change in changes]
+    lengths = [change[-1].box.size_m[0] for change in changes]
+    assert lengths == sorted(lengths, reverse=True), "the painter loses small ones"
     broken = [{one.rule for one in judged_home(view_home(house)).findings} for house in after]
     assert any(not {HALL, SHOES} & rules for rules in broken)
     assert all(len(house.items) == len(home.items) for house in after)

@@ -99,3 +99,10 @@ def test_the_same_room_is_composed_alike() -> None:
     view = view_of("bathroom", (1.9, 2.3), "toilet", "washbasin", "shower")
     first, second = ([item.box for one in composed(view) for item in one] for _ in range(2))
     assert first == second
+
+
+def test_basins_have_a_margin_for_the_painter_where_there_is_place() -> None:
+    room = planned(view_of("bathroom", (2.6, 3.2), "toilet", "washbasin", "shower"))
+    assert [room.length[at] >= 0.55 for at in room.of("washbasin")] == [True]
+    small = planned(view_of("wc", (1.4, 1.8), "toilet", "washbasin"))
+    assert {"toilet", "washbasin"} <= {*small.categories}
