@@ -349,3 +349,15 @@ def test_a_hall_whose_corners_are_far_from_its_door_gets_shoes() -> None:
     home = SceneGraph((room, bath), (front, inner), (bed,))
     assert SHOES in _broken(home)
     assert SHOES not in _broken(_repaired(home))
+
+
+def test_a_shower_that_fills_a_narrow_bath_makes_place_for_a_basin() -> None:
+    """It stands across the room, and nobody gets past it or to its front."""
+    room = Room("bath", "bathroom", frozen_array([(0, 0), (2.0, 0), (2.0, 0.9), (0, 0.9)]))
+    door = Opening("d", "door", Box((2.12, 0.5, 0.0), (0.65, 0.24, 2.1), 90.0), ("bath",))
+    shower = Item("bath/shower_0", "shower", Box((0.95, 0.45, 0.0), (0.8, 0.9, 2.0), 180.0), "bath")
+    before = SceneGraph((room,), (door,), (shower,))
+    after = _repaired(before)
+    assert sum(room_faults(before, before.rooms)) > 0
+    assert not sum(room_faults(after, after.rooms))
+    assert after.items

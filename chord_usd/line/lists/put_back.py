@@ -86,31 +86,40 @@ class _Work:
         self._graph = graph
         self._permits: dict[int, _Permits] = {}
 
-    def change(self, at: int, changes: Iterable[Propose], gain: float = LEAST_GAIN) -> bool:
-        """Whether any of these changes to a room was worth it."""
+    def change(
+        self, at: int, changes: Iterable[Propose], gain: float = LEAST_GAIN, *, mends: bool = False
+    ) -> bool:
+        """Whether any of these changes to a room was worth it. mends: only if less is wrong."""
         view, home = self.home.rooms[at], self.home
 
         def cost(room: View) -> float:
             return home_price(replace(home, rooms=(*home.rooms[:at], room, *home.rooms[at + 1 :])))
 
-        if at not in self._permits:
-            standing = {room.shell.room.id: room.items for room in home.rooms}
-            self._permits[at] = _Permits(self._graph, view.shell.room, standing)
-        better = improved(view, cost, changes, self._permits[at], gain)
+        permits = self._permits_of(at)
+        better = improved(view, cost, changes, permits.less if mends else permits, gain)
         if better is view:
             return False
         self.home = replace(home, rooms=(*home.rooms[:at], better, *home.rooms[at + 1 :]))
         self._permits = {at: self._permits[at]}
         return True
 
+    def _permits_of(self, at: int) -> _Permits:
+        if at not in self._permits:
+            standing = {room.shell.room.id: room.items for room in self.home.rooms}
+            self._permits[at] = _Permits(self._graph, self.home.rooms[at].shell.room, standing)
+        return self._permits[at]
+
     def furnish_empty(self, rooms: Collection[str]) -> None:
         """Give each of these rooms that is empty the first piece that fits: however few rules it
-        keeps, an empty room keeps none."""
+        keeps, an empty room keeps none. A room whose only piece stands wrongly gets it in place
+        of that where less is wrong then, as a narrow bath that its shower fills."""
         for at, view in enumerate(self.home.rooms):
             room = view.shell.room
-            if room.id in rooms and not view.items and is_to_furnish(room):
+            if room.id not in rooms or not is_to_furnish(room) or len(view.items) > 1:
+                continue
+            if not view.items or self._permits_of(at).most:
                 pieces = first_pieces(self._graph, room.id)
-                self.change(at, [partial(_alone, pieces)], gain=-_EMPTY)
+                self.change(at, [partial(_alone, pieces)], -_EMPTY, mends=bool(view.items))
 
     def repair(
         self, rooms: Collection[str], known: Collection[str], compose: Compose | None
@@ -224,7 +233,8 @@ class _Permits:
         self._own = standing[room.id]
 
     @cached_property
-    def _most(self) -> float:
+    def most(self) -> float:
+        """How much is wrong as it is."""
         return self._faults(self._own)
 
     def _faults(self, items: Sequence[Item]) -> float:
@@ -232,7 +242,11 @@ class _Permits:
         return sum(room_faults(house, self._near))
 
     def __call__(self, view: View) -> bool:
-        return self._faults(view.items) <= self._most
+        return self._faults(view.items) <= self.most
+
+    def less(self, view: View) -> bool:
+        """Whether less is wrong."""
+        return self._faults(view.items) < self.most
 
 
 def without_stuck(view: View) -> Iterator[Change]:
