@@ -36,6 +36,7 @@ from chord_usd.base.scene.types import (
     frozen_array,
 )
 from chord_usd.base.scene.units import cm_from_m, m_from_px
+from chord_usd.base.scene.wet_rooms import with_wet_kinds
 from chord_usd.line.plan.doubts import (
     doubts,
     doubts_of_sizes,
@@ -242,7 +243,9 @@ def _read_part(page: _Page) -> _Found:
     pieces = pieces_within(found, reading, page.sheet, frame)
     plan, parted = _plan(reading, page, frame, _Seen(seen, pieces))
     faint = pieces_within(found, reading, page.sheet, frame, is_sure=False)
-    pieces = with_needed(pieces, faint, plan.rooms)
+    # What is faint says of no room what it is.
+    told_apart = with_wet_kinds(replace(plan, extra={DRAWN: to_entry(pieces)}))
+    pieces = with_needed(pieces, faint, told_apart.rooms)
     if is_all_guessed(plan):
         raise _no_room()
     sheet = page.sheet
