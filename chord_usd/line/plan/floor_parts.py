@@ -89,9 +89,10 @@ def _parted(
     pair = [use for use in needed if use.kind in wanted | {room.kind}]
     # What is drawn nowhere contradicts every part.
     ways = [(needed + drawn, seen), (needed, seen), (needed, None), (pair, None)]
+    ways = ways[:1] + ways[2 - bool(wanted and drawn) :]
     named = {use.kind for use in needed if use.spots_m}
     tried: list[tuple[Plan, set[RoomKind]]] = []
-    for uses, shown in ways if wanted or len(named) > 1 else ways[:1]:
+    for uses, shown in ways if wanted else ways[: 1 + (len(named) > 1)]:
         if len({use.kind for use in uses}) < 2:
             continue
         parted = part_room(plan, room.id, uses, shown)

@@ -10,8 +10,9 @@ is between them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -104,6 +105,25 @@ class _Around:
     """Before which nothing stands."""
     seen: SeenKinds | None
     """What the drawing shows."""
+    shapes: dict[Polygon, _Shape] = field(default_factory=dict)
+    """Of floors that were looked at: each comes back with every way to share out the uses."""
+    walls_m: dict[Polygon, float] = field(default_factory=dict)
+    ends: dict[LineString, int] = field(default_factory=dict)
+    """By cut, how many of its ends lie in openings."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    """What a floor is, whatever it is used for."""
+
+    side_m: float
+    """Of the rectangle around it, the shorter."""
+    ragged: float
+    """Share of that rectangle that it leaves free."""
+    is_dry: bool
+    """Whether it is far from all baths."""
+    drawn: Mapping[RoomKind, float]
+    """Logarithms of chances of what the drawing shows there; empty without one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,15 +195,24 @@ def _tries(whole: _Part, around: _Around) -> Iterator[tuple[float, float, tuple[
             cut.distance(Point(spot)) < _BESIDE_NAME_M for u in whole.uses for spot in u.spots_m
         ):
             continue
-        cost = _CUT * cut.length + _IN_OPENING * _ends_in(cut, around.openings)
+        if cut not in around.ends:
+            around.ends[cut] = _ends_in(cut, around.openings)
+        cost = _CUT * cut.length + _IN_OPENING * around.ends[cut]
         for halves in _shared_out(whole.uses, first, second):
             yield sum(_nats(half, around) for half in halves) - cost, cost, halves
 
 
-def _cuts(floor: Polygon) -> Iterator[tuple[LineString, Polygon, Polygon]]:
+@lru_cache(1024)
+def _cuts(floor: Polygon) -> tuple[tuple[LineString, Polygon, Polygon], ...]:
     """Chords along the floor's main direction and across it, each with the two halves."""
+    # The same floors come back with every way to share out the uses.
+    return tuple(_cuts_of(floor))
+
+
+def _cuts_of(floor: Polygon) -> Iterator[tuple[LineString, Polygon, Polygon]]:
     angle = _direction_deg(floor)
     turned = rotate(floor, -angle, origin=(0.0, 0.0))
+    beside_rim = turned.exterior.buffer(_ON_LINE_M)
     corners = np.asarray(turned.simplify(_TORN_M).exterior.coords)
     low, high = corners.min(axis=0), corners.max(axis=0)
     for axis in (0, 1):
@@ -192,15 +221,17 @@ def _cuts(floor: Polygon) -> Iterator[tuple[LineString, Polygon, Polygon]]:
         for place in np.unique(np.round([*corners[:, axis], *places[far]], 2)):
             ends = np.array([low - 1.0, high + 1.0])
             ends[:, axis] = place
-            for chord in _chords(turned, LineString(ends)):
-                back = [rotate(each, angle, origin=(0.0, 0.0)) for each in chord]
+            for chord in _chords(turned, LineString(ends), beside_rim):
+                back = [rotate(one, angle, origin=(0.0, 0.0)) for one in chord] if angle else chord
                 yield back[0], orient(back[1]), orient(back[2])
 
 
-def _chords(floor: Polygon, line: LineString) -> Iterator[tuple[LineString, Polygon, Polygon]]:
+def _chords(
+    floor: Polygon, line: LineString, beside_rim: BaseGeometry
+) -> Iterator[tuple[LineString, Polygon, Polygon]]:
     rim = floor.exterior
     for piece in shapely.get_parts(floor.intersection(line)):
-        inner = piece.difference(rim.buffer(_ON_LINE_M)) if piece.length else piece
+        inner = piece.difference(beside_rim) if piece.length else piece
         if inner.geom_type != "LineString" or inner.length < _LEAST_CUT_M:
             continue
         (x0, y0), (x1, y1) = piece.coords[0], piece.coords[-1]
@@ -250,21 +281,26 @@ def _missed(part: _Part) -> float:
 def _nats(part: _Part, around: _Around) -> float:
     """How likely it is that floors for its uses are as large together, of such a form and there."""
     floor = part.floor
+    shape = around.shapes.get(floor) or around.shapes.setdefault(floor, _shape(floor, around))
+    narrow = max(0.0, _LEAST_WIDTH_M[part.kind] - shape.side_m)
+    is_dry = shape.is_dry and any(use.kind == "kitchen" and not use.spots_m for use in part.uses)
+    fit = fit_of_area({use.kind for use in part.uses}, floor.area)
+    nats = fit - _TOO_NARROW * narrow - _RAGGED * shape.ragged - _DRY * is_dry
+    if shape.drawn:
+        nats += _DRAWN * max(shape.drawn[use.kind] for use in part.uses)
+    if part.kind == "kitchen":
+        if floor not in around.walls_m:
+            around.walls_m[floor] = _free_wall_m(floor, around)
+        nats -= _SHORT * max(0.0, _UNIT_WALL_M - around.walls_m[floor])
+    return nats
+
+
+def _shape(floor: Polygon, around: _Around) -> _Shape:
     frame = floor.minimum_rotated_rectangle
     sides = np.hypot(*np.diff(np.asarray(frame.exterior.coords)[:3], axis=0).T)
-    narrow = max(0.0, _LEAST_WIDTH_M[part.kind] - float(sides.min()))
-    ragged = 1.0 - floor.area / frame.area
-    is_dry = any(use.kind == "kitchen" and not use.spots_m for use in part.uses) and (
-        floor.distance(around.baths) > _PIPES_M
-    )
-    fit = fit_of_area({use.kind for use in part.uses}, floor.area)
-    nats = fit - _TOO_NARROW * narrow - _RAGGED * ragged - _DRY * is_dry
-    if around.seen:
-        drawn = around.seen.log_chances(floor)
-        nats += _DRAWN * max(drawn[use.kind] for use in part.uses)
-    if part.kind == "kitchen":
-        nats -= _SHORT * max(0.0, _UNIT_WALL_M - _free_wall_m(floor, around))
-    return nats
+    drawn = around.seen.log_chances(floor) if around.seen else {}
+    is_dry = floor.distance(around.baths) > _PIPES_M
+    return _Shape(float(sides.min()), 1.0 - floor.area / frame.area, is_dry, drawn)
 
 
 def _free_wall_m(floor: Polygon, around: _Around) -> float:
