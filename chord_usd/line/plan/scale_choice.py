@@ -54,6 +54,9 @@ _LEAST_HEARD = {"dimension chains": 3}
 
 _CONFIDENCE = {"given": 1.0, "file": 1.0, "paper": 0.7, "doors": 0.6, "rooms": 0.5, "walls": 0.4}
 
+NO_MEASURE = "the plan shows no measure"
+"""Begins what is said of a plan whose doors say how large it is."""
+
 _SPREAD = {"doors": 0.2, "walls": 0.45}
 """Standard deviation of the logarithm of what they say."""
 
@@ -126,6 +129,9 @@ class Scale:
             guess = "the usual sizes of rooms" if self.witness == "rooms" else "the walls"
             told = "no printed measure and no door gives the scale; it is a guess from"
             return [f"{told} {guess}: {CHECK_SCALE}"]
+        if self.witness == "doors":
+            off = f"{_SPREAD['doors']:.0%}"
+            return [f"{NO_MEASURE}: its scale, by doors, may be {off} off (--scale sets it)"]
         return []
 
 
