@@ -80,9 +80,11 @@ class PlannedPlan(Planned):
 
 
 class Doubt(TypedDict):
-    """What a reading is unsure of, and where the rooms and openings lie that it names, metres."""
+    """What a reading is unsure of, ids of the rooms and openings that it is about, and where these
+    lie, metres."""
 
     text: str
+    ids: list[str]
     at: list[list[float]]
 
 
