@@ -116,11 +116,11 @@ def without_scraps(reading: SeenReading, named: Sequence[bool]) -> tuple[SeenRea
             left -= set(group)
     if len(left) == len(floors):
         return reading, []
-    count = len(floors) - len(left)
+    gone = len(floors) - len(left)
     which = (
         "a floor that the picture's edge cuts off was"
-        if count == 1
-        else (f"{count} floors that the picture's edge cuts off were")
+        if gone == 1
+        else f"{gone} floors that the picture's edge cuts off were"
     )
     return reading.of(sorted(left)), [f"{which} left out: without a name or a sure door"]
 
