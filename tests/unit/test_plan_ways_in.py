@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
+from shapely.geometry import Point, Polygon
 from true_segments import segments_of
 
 from chord_usd.base.raster.page_labels import DOOR, FLOOR, OUTSIDE, PASSAGE, WALL, WINDOW
@@ -73,6 +75,35 @@ def test_the_window_of_a_room_that_no_door_leads_to_is_a_glazed_door() -> None:
     labels[260:270, 200:320] = WINDOW
     seen = with_ways_in(read_seen(segments_of(labels), M_PER_PX), M_PER_PX)
     assert [o.kind for o in seen.openings if len(o.rooms) == 2] == ["door"]
+
+
+def test_a_guessed_door_stands_clear_of_what_is_drawn() -> None:
+    """It opened onto the bath, where the wall beside was as thin."""
+    built = faint(DOOR, 0.3).segments.built.copy()
+    built[:, PLACE[0], 260:300] = built[:, PLACE[0], PLACE[1]]
+    seen = read_seen(Segments(built, segments_of(two_rooms()).kinds), M_PER_PX)
+    for left in (95, 255):
+        bath = shapely.box(left, 272, left + 50, 350)
+        (door,) = [o for o in with_ways_in(seen, M_PER_PX, [bath]).openings if o.is_guess]
+        assert door.center_px == pytest.approx([375 - left, 265], abs=25)
+        assert not bath.buffer(20).contains(Point(door.center_px))
+
+
+def test_an_outer_door_leads_onto_the_floor_that_its_swing_cut() -> None:
+    """The living room was cut off from the hall."""
+    labels = two_rooms()
+    labels[270:300, 100:200] = OUTSIDE
+    labels[270:300, 90:100] = labels[270:300, 200:210] = labels[300:308, 90:210] = WALL
+    labels[260:270, 120:160] = DOOR
+    seen = read_seen(segments_of(labels), M_PER_PX)
+    assert sorted(len(o.rooms) for o in seen.openings if o.kind == "door") == [1, 1]
+    made = with_ways_in(seen, M_PER_PX)
+    (door,) = [o for o in made.openings if o.is_guess]
+    assert len(door.rooms) == 2
+    below = Polygon(made.polygons_px[door.rooms[1][0]])
+    assert below.is_valid
+    assert below.distance(Point(door.center_px)) <= door.depth_px / 2 + 1
+    assert below.area == pytest.approx(Polygon(seen.polygons_px[door.rooms[1][0]]).area, rel=0.03)
 
 
 def test_guessed_doors_change_no_verdict() -> None:

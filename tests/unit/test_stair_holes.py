@@ -6,15 +6,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapely.geometry import Point
+import shapely
+from shapely.geometry import Point, Polygon
 
 from chord_usd.base.errors import PlanError
 from chord_usd.base.scene.geometry import room_polygon, to_world
 from chord_usd.base.scene.stacking import stack
-from chord_usd.base.scene.stair_cells import is_cell
+from chord_usd.base.scene.stair_cells import is_cell, with_wells
 from chord_usd.base.scene.storeys import HEADROOM_M, STAIRS, StairForm
 from chord_usd.base.scene.tunnels import as_cut
-from chord_usd.base.scene.types import ROOM_HEIGHT_M
+from chord_usd.base.scene.types import (
+    ROOM_HEIGHT_M,
+    Box,
+    Opening,
+    Plan,
+    Room,
+    RoomKind,
+    frozen_array,
+)
 from chord_usd.workshop.data.storey_houses import random_storeys
 from tests.stair_houses import cornered, terraced
 
@@ -88,3 +97,33 @@ def test_where_one_steps_off_no_wall_is_cut() -> None:
         cut = as_cut(storey.plan.rooms, storey.plan.openings)
         assert openings
         assert [one for one in cut if one.kind == "passage"] == openings
+
+
+def hall(kind: RoomKind = "corridor", door_m: float = 0.6) -> Plan:
+    """A hall of 2 x 4 m with a door in its lower wall."""
+    room = Room("hall", kind, frozen_array([(0.0, 0.0), (2.0, 0.0), (2.0, 4.0), (0.0, 4.0)]))
+    door = Opening("door", "door", Box((door_m, -0.12, 0.0), (0.8, 0.24, 2.1), 0.0), ("hall",))
+    return Plan((room,), (door,))
+
+
+def test_nothing_stands_on_the_steps_that_a_storey_alone_shows() -> None:
+    """Shoe cabinets stood there."""
+    stair = shapely.box(1.1, 0.5, 2.05, 4.0)
+    made = with_wells(hall(), [stair])
+    assert [is_cell(room) for room in made.rooms] == [False, True]
+    assert sum(room_polygon(room).area for room in made.rooms) == pytest.approx(8.0, abs=0.01)
+    full = with_wells(hall(), [shapely.box(0.0, 0.2, 2.0, 4.0)])
+    assert [is_cell(room) for room in full.rooms] == [True]
+
+
+@pytest.mark.parametrize(
+    ("plan", "stair"),
+    [
+        (hall(door_m=1.5), shapely.box(1.1, 0.0, 2.0, 3.0)),
+        (hall("bathroom"), shapely.box(1.1, 0.5, 2.0, 4.0)),
+        (hall(), shapely.box(1.4, 2.0, 2.0, 3.5)),
+    ],
+    ids=["before a door", "in a bathroom", "small"],
+)
+def test_what_only_looks_like_a_stair_stays_floor(plan: Plan, stair: Polygon) -> None:
+    assert with_wells(plan, [stair]) == plan

@@ -6,8 +6,9 @@ them, and where one steps on or off is a passage, which furniture keeps clear.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from shapely import affinity, get_coordinates
@@ -16,6 +17,7 @@ from shapely.geometry.polygon import orient
 from shapely.ops import substring, unary_union
 
 from chord_usd.base.errors import PlanError
+from chord_usd.base.scene.dwellings import is_common
 from chord_usd.base.scene.geometry import polygons_of, room_polygon
 from chord_usd.base.scene.types import (
     BASE_AND_HEIGHT_M,
@@ -36,6 +38,12 @@ CELL = "stairCell"
 
 OPEN = "stairOpen"
 """Key of Room.extra of such a room: what of it has no floor, a list of [x, y] in centimetres."""
+
+_CELL: dict[str, Any] = {CELL: True, "roomKind": "corridor"}
+
+_WITH_STAIRS = ("corridor", "living", "dining", "unknown")
+_LEAST_WELL_M2 = 1.5
+"""Of the floor that a stair takes up in a storey alone."""
 
 _LEAST_M2 = 0.5
 """Of what is left of a room beside a stair; less is no floor."""
@@ -97,9 +105,8 @@ def with_cell(plan: Plan, built: BuiltStair, *, above: bool) -> tuple[Plan, Cell
     else:
         hole = max(polygons_of(unary_union([hole, *pockets])), key=lambda part: part.area)
         cell = Room(
-            _free_id(plan, f"{built.stair.id}_cell"), "corridor", _corners(hole), "Stairs",
-            {CELL: True, "roomKind": "corridor"},
-        )  # fmt: skip
+            _free_id(plan, f"{built.stair.id}_cell"), "corridor", _corners(hole), "Stairs", _CELL
+        )
         rooms = list(plan.rooms)
     if above:
         hole = built.hole_m.intersection(hole) if built.is_spiral else hole
@@ -109,6 +116,38 @@ def with_cell(plan: Plan, built: BuiltStair, *, above: bool) -> tuple[Plan, Cell
     rooms.insert(min(place + 1, len(rooms)), cell)
     plan = replace(plan, rooms=tuple(rooms))
     return _joined(plan, Cell(cell.id, "", hole if above else None), built, above)
+
+
+def with_wells(plan: Plan, stairs: Sequence[Polygon]) -> Plan:
+    """The plan of a storey alone with a cell for each stair that it shows, so that nothing stands
+    on the steps.
+
+    stairs: outlines, metres. Passed over are those that are small, in a room for something else, or
+    before an opening: there something else is drawn.
+    """
+    for area in stairs:
+        main = max(plan.rooms, key=lambda room: area.intersection(room_polygon(room)).area)
+        well = area.intersection(room_polygon(main))
+        is_empty = is_cell(main) or is_common(main)
+        if is_empty or main.kind not in _WITH_STAIRS or well.area < _LEAST_WELL_M2:
+            continue
+        beside = _left_of(main, area)
+        own = [one for one in plan.openings if main.id in one.room_ids and one.kind != "window"]
+        if not beside:
+            rooms = [_marked(room) if room is main else room for room in plan.rooms]
+            plan = replace(plan, rooms=tuple(rooms))
+        elif len(beside) == 1 and all(_opens_onto(one, beside[0], area) for one in own):
+            corners = _corners(_inside(area, main))
+            cell = Room(_free_id(plan, f"{main.id}_stairs"), "corridor", corners, "Stairs", _CELL)
+            rooms = [part for room in plan.rooms for part in _cut(room, room_polygon(cell))]
+            plan = replace(plan, rooms=(*rooms, cell))
+    return plan
+
+
+def _opens_onto(opening: Opening, floor: Polygon, stair: Polygon) -> bool:
+    """Whether one steps through an opening onto a floor and not onto a stair."""
+    middle = Point(opening.box.center_m[:2])
+    return bool(middle.distance(floor) + _TOUCH_M < middle.distance(stair))
 
 
 def _refuse_fall(room: Room, built: BuiltStair) -> None:
@@ -237,7 +276,7 @@ def _inside(area: Polygon, room: Room) -> Polygon:
 
 
 def _marked(room: Room) -> Room:
-    return replace(room, kind="corridor", extra={**room.extra, CELL: True, "roomKind": "corridor"})
+    return replace(room, kind="corridor", extra={**room.extra, **_CELL})
 
 
 def _corners(polygon: Polygon) -> FloatArray:

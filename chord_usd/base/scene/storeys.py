@@ -176,9 +176,13 @@ def storey_title(index: int) -> str:
 
 
 def one_storey(given: StoreyPlan) -> Building:
-    """A house of one storey; stairs that it shows lead nowhere. Raises PlanError."""
+    """A house of one storey; stairs that it shows lead nowhere, those of a drawing stay empty.
+    Raises PlanError."""
+    from chord_usd.base.scene.stair_cells import with_wells
+    from chord_usd.base.scene.stair_places import drawn_stairs
+
     name = given.name or storey_title(0)
-    storeys = (Storey(0, name, given.plan, 0.0),)
+    storeys = (Storey(0, name, with_wells(given.plan, drawn_stairs(given.plan)), 0.0),)
     if STAIRS not in given.plan.extra:
         return Building(storeys, ())
     from chord_usd.base.scene.json_stairs import stairs_of

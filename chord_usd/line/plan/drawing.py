@@ -20,7 +20,7 @@ from shapely.geometry import Polygon
 from chord_usd.base.errors import PlanError
 from chord_usd.base.runtime.locations import checkpoint_folder
 from chord_usd.base.scene.drawn_pieces import DRAWN, to_entry
-from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.geometry import footprint, room_polygon
 from chord_usd.base.scene.room_areas import scale_by_home, scale_by_rooms
 from chord_usd.base.scene.stair_places import DRAWN_STAIRS
 from chord_usd.base.scene.types import (
@@ -35,7 +35,7 @@ from chord_usd.base.scene.types import (
     RoomKind,
     frozen_array,
 )
-from chord_usd.base.scene.units import cm_from_m, m_from_px
+from chord_usd.base.scene.units import cm_from_m, m_from_px, px_from_m
 from chord_usd.base.scene.wet_rooms import with_wet_kinds
 from chord_usd.line.plan.doubts import (
     doubts,
@@ -233,7 +233,7 @@ def _read_part(page: _Page) -> _Found:
     found = found_on(page.sheet, scale.m_per_px)
     reading = _without_pieces(reading, page, scale.m_per_px, found)
     reading, shown = _without_lifts(reading, page, scale.m_per_px)
-    reading = with_ways_in(reading, scale.m_per_px)
+    reading = with_ways_in(reading, scale.m_per_px, _drawn_px(found, reading, page, scale))
     fitted = _fitted(reading, page, scale) if scale.is_printed else None
     if fitted is not None:
         reading, scale = reading.with_fit(fitted), replace(scale, m_per_px=fitted.m_per_px)
@@ -327,6 +327,15 @@ def _without_pieces(
     pieces = pieces_within(found, reading, page.sheet, frame)
     whole = without_pieces(reading, _are_named(reading, page), pieces, frame)
     return reading if whole is reading else _take_part(whole, page.part)[0]
+
+
+def _drawn_px(
+    found: Sequence[SeenPiece], reading: SeenReading, page: _Page, scale: Scale
+) -> list[Polygon]:
+    """Footprints of the surely drawn pieces, in pixels of the working picture."""
+    frame = replace(reading.frame, m_per_px=scale.m_per_px)
+    pieces = pieces_within(found, reading, page.sheet, frame)
+    return [Polygon(px_from_m(footprint(one.box), frame)) for one in pieces]
 
 
 def _without_lifts(

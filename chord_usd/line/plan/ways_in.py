@@ -1,29 +1,31 @@
 """Rooms that no way leads into get the likeliest one; scraps of neighbours are left out.
 
 People enter every room. Where the reading shows no door between a part of the house and the rest,
-a window onto a balcony is a glazed door, and else a door stands where the wall between looks least
-like one. Such doors are guesses: they are marked, drawn as unsure, and say nothing of kinds, scale,
-dwellings or the verdict. A floor without a name that the picture's edge cuts off, and that no sure
-door joins to the plan, belongs to the neighbours.
+a window onto a balcony is a glazed door, an outer door before which the swing of its leaf cut a
+floor leads onto that floor, and else a door stands where the wall between looks least like one,
+clear of what is drawn. Such doors are guesses: they are marked, drawn as unsure, and say nothing
+of kinds, scale, dwellings or the verdict. A floor without a name that the picture's edge cuts off,
+and that no sure door joins to the plan, belongs to the neighbours.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
 import shapely
-from shapely.geometry import Polygon
+from shapely.geometry import LineString, Point, Polygon
+from shapely.geometry.polygon import orient
 
 from chord_usd.base.raster.page_labels import DOOR, FLOOR, PASSAGE, STAIRS
-from chord_usd.base.scene.geometry import hanging_together, seams
+from chord_usd.base.scene.geometry import hanging_together, polygons_of, seams
 from chord_usd.base.scene.types import WET_KINDS, FloatArray, Opening, Room
 from chord_usd.line.plan.openings import CONFIDENCE
 from chord_usd.line.plan.scale_choice import USUAL_DOOR_M
 from chord_usd.line.plan.seen import SeenReading
-from chord_usd.line.plan.wall_openings import WallOpening, door_in, profile_of, walls_between
+from chord_usd.line.plan.wall_openings import Wall, WallOpening, door_in, profile_of, walls_between
 
 _PASSED_M = 0.5
 """What is narrower is no way."""
@@ -31,6 +33,9 @@ _LEAST_M2 = 1.0
 """Of the floor of a part that needs a way in."""
 _LEAST_SIGN = 0.12
 """Share that is no wall below which nothing tells where in a wall a door is."""
+_BEFORE_M = 0.6
+"""Before a guessed door nothing is drawn so near, where another place in its wall will do."""
+_TOUCHED_M2 = 0.02
 _PASSED = (DOOR, PASSAGE, FLOOR, STAIRS)
 _TOUCH_PX = 1.0
 _SURE = 0.5
@@ -41,9 +46,22 @@ _MOST_CUT = 0.2
 """Share of all floor from which on what is cut off is no scrap."""
 
 
-def with_ways_in(reading: SeenReading, m_per_px: float) -> SeenReading:
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """A door that may lead into a room."""
+
+    sign: float
+    """How much speaks for it."""
+    door: WallOpening
+    floor_px: FloatArray | None = None
+    """Outline of the second room with the floor before the door; None where it stays."""
+
+
+def with_ways_in(
+    reading: SeenReading, m_per_px: float, drawn_px: Sequence[Polygon] = ()
+) -> SeenReading:
     """A reading in which each part that no way leads into has the likeliest one, if there is any
-    sign of it."""
+    sign of it. drawn_px: footprints of drawn furniture and fixtures."""
     groups = _groups(reading, _PASSED_M / m_per_px)
     if len(groups) < 2:
         return reading
@@ -55,16 +73,19 @@ def with_ways_in(reading: SeenReading, m_per_px: float) -> SeenReading:
     entered |= {number for number, group in enumerate(groups)
                 if sum(floors[room] for room in group) < _LEAST_M2}  # fmt: skip
     main = max(range(len(groups)), key=lambda one: len(groups[one]))
-    openings = list(reading.openings)
+    openings, outlines = list(reading.openings), list(reading.outlines)
     joined: list[tuple[int, int]] = []
-    for sign, way in sorted(_ways(reading, m_per_px), key=lambda each: -each[0]):
-        ends = group_of[way.rooms[0][0]], group_of[way.rooms[1][0]]
+    for way in sorted(_ways(reading, m_per_px, drawn_px), key=lambda each: -each.sign):
+        inside, beyond = (room for room, _ in way.door.rooms)
+        ends = group_of[inside], group_of[beyond]
         together = next(part for part in hanging_together(len(groups), joined) if ends[0] in part)
         is_needed = any(end != main and end not in entered for end in ends)
-        if sign >= _LEAST_SIGN and ends[1] not in together and is_needed:
+        if way.sign >= _LEAST_SIGN and ends[1] not in together and is_needed:
             joined.append(ends)
-            openings = [o for o in openings if not _is_replaced(o, way)] + [way]
-    return replace(reading, openings=openings)
+            openings = [o for o in openings if not _is_replaced(o, way.door)] + [way.door]
+            if way.floor_px is not None:
+                outlines[beyond] = replace(outlines[beyond], polygon_px=way.floor_px)
+    return replace(reading, openings=openings, outlines=outlines)
 
 
 def _groups(reading: SeenReading, least_px: float, least_sure: float = 0.0) -> list[list[int]]:
@@ -80,28 +101,85 @@ def _groups(reading: SeenReading, least_px: float, least_sure: float = 0.0) -> l
     return hanging_together(len(floors), pairs)
 
 
-def _ways(reading: SeenReading, m_per_px: float) -> Iterator[tuple[float, WallOpening]]:
-    """(sign of a way, door) of windows between two rooms, and of each wall between two rooms."""
+def _ways(reading: SeenReading, m_per_px: float, drawn_px: Sequence[Polygon]) -> Iterator[_Way]:
+    """Windows between two rooms and outer doors before floors, as doors, and a door in each wall
+    between two rooms."""
     for one in reading.openings:
         if one.kind == "window" and len(one.rooms) == 2:
-            yield 1.0, replace(one, kind="door", is_guess=True)
+            yield _Way(1.0, replace(one, kind="door", is_guess=True))
+        elif one.kind != "window" and len(one.rooms) == 1:
+            yield from _before_cut_floor(one, reading)
     thickness_px = reading.regions.thickness_px
-    length = round(USUAL_DOOR_M / m_per_px)
+    length, before = round(USUAL_DOOR_M / m_per_px), _BEFORE_M / m_per_px
     for wall in walls_between(reading.polygons_px, reading.segments, thickness_px):
         if wall.other is None or wall.high - wall.low < length:
             continue
         passed = profile_of(wall, reading.segments)[list(_PASSED)].sum(axis=0)
         means = np.convolve(passed, np.full(length, 1.0 / length), "valid")
-        first = int(means.argmax())
-        yield float(means[first]), door_in(wall, wall.low + first, length, float(means[first]))
+        clear = _clear(wall, len(means), length, before, drawn_px, _TOUCHED_M2 / m_per_px**2)
+        first = int((means + clear).argmax())
+        sign = float(means[first])
+        yield _Way(sign, door_in(wall, wall.low + first, length, sign))
+
+
+def _clear(
+    wall: Wall,
+    count: int,
+    length: int,
+    before_px: float,
+    drawn_px: Sequence[Polygon],
+    touched: float,
+) -> FloatArray:
+    """(count,) 1 where a door from that pixel of a wall on has nothing drawn before it, else 0."""
+    edge, across = wall.edge, (-before_px, wall.depth + before_px)
+    free = np.ones(count)
+    for first in range(count) if drawn_px else ():
+        along = wall.low + first, wall.low + first + length
+        zone = _strip(edge.start, edge.along, edge.outward, along, across)
+        free[first] = all(zone.intersection(one).area <= touched for one in drawn_px)
+    return free
+
+
+def _strip(
+    start: FloatArray,
+    along: FloatArray,
+    outward: FloatArray,
+    span: tuple[float, float],
+    depth: tuple[float, float],
+) -> Polygon:
+    """A rectangle by its span along a wall and its depth across, from a point of its face."""
+    ends = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    return Polygon([start + span[i] * along + depth[j] * outward for i, j in ends])
+
+
+def _before_cut_floor(one: WallOpening, reading: SeenReading) -> Iterator[_Way]:
+    """An outer door as one onto the floor ahead of it, no farther than its leaf is long."""
+    (room, outward), *_ = one.rooms
+    half, thickness = one.depth_px / 2, reading.regions.thickness_px
+    ahead = LineString([one.center_px, one.center_px + (half + one.length_px) * outward])
+    floors = [Polygon(polygon).buffer(0) for polygon in reading.polygons_px]
+    spots = {number: floor.intersection(ahead) for number, floor in enumerate(floors)
+             if number != room and floor.intersects(ahead)}  # fmt: skip
+    if not spots:
+        return
+    beyond = min(spots, key=lambda number: spots[number].distance(Point(one.center_px)))
+    far = spots[beyond].distance(Point(one.center_px)) + thickness
+    span = -one.length_px / 2, one.length_px / 2
+    strip = _strip(one.center_px, one.along, outward, span, (half, far))
+    grown = [part for part in polygons_of(floors[beyond].union(strip)) if part.intersects(strip)]
+    others = shapely.union_all([floor for number, floor in enumerate(floors) if number != beyond])
+    if len(grown) == 1 and not strip.intersects(others):
+        corners = np.array(orient(Polygon(grown[0].exterior), -1.0).exterior.coords)[:-1]
+        rooms = (*one.rooms, (beyond, -outward))
+        door = replace(one, kind="door", rooms=rooms, is_guess=True)
+        yield _Way(one.confidence, door, corners)
 
 
 def _is_replaced(one: WallOpening, way: WallOpening) -> bool:
-    """Whether a way takes the place of an opening between the same rooms."""
-    if {room for room, _ in one.rooms} != {room for room, _ in way.rooms}:
-        return False
+    """Whether a way takes the place of an opening between the same rooms, or is that opening."""
     between = one.center_px - way.center_px
-    return bool(np.hypot(*between) < (one.length_px + way.length_px) / 2)
+    is_near = bool(np.hypot(*between) < (one.length_px + way.length_px) / 2)
+    return is_near and {room for room, _ in one.rooms} <= {room for room, _ in way.rooms}
 
 
 def without_scraps(reading: SeenReading, named: Sequence[bool]) -> tuple[SeenReading, list[str]]:
