@@ -20,10 +20,13 @@ BLENDER_LIBRARIES := libegl1 libgl1 libgomp1 libice6 libopengl0 libsm6 libx11-6 
 # Blender's own tool, out of the bpy wheel.
 BLENDER_EXT := $(BIN)/../lib/python3.11/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py
 
+# Tests start hundreds of interpreters; each compiles the package again where none keeps bytecode.
+unexport PYTHONDONTWRITEBYTECODE
+
 # One thread for each worker: threads of two pools on two cores wait for one another (two small
-# networks learn a batch in 34 s of CPU so, and in more than 109 s otherwise). A third worker uses
+# networks learn a batch in 34 s of CPU so, and in more than 109 s otherwise). The third worker uses
 # the time in which others wait for a cluster or a browser; each takes up to 3 GiB.
-WORKERS ?= 2
+WORKERS ?= 3
 PARALLEL = OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --durations 40 --durations-min 4
 
 # Tests whose limits are so near that they need the machine for themselves.
