@@ -245,6 +245,18 @@ class House:
         self._written = self._written if dry_run else _state(self.path)
         return tuple(reading.understood.told)
 
+    def set_state(self, states: str) -> tuple[str, ...]:
+        """Open and close doors and switch lamps ("doors: closed; bedroom 1 lamp: off"), in place
+        on the stage; returns the paths of the prims that have a state now. Raises ChordError for
+        what is not there, and then changes nothing."""
+        from chord_usd.base.runtime.alone import alone_with
+        from chord_usd.line.pipeline.house_states import set_states
+
+        with alone_with(self.path):
+            stated = set_states(self.path, self.path, states)
+        self._written = _state(self.path)
+        return tuple(dict.fromkeys(path for one in stated for path in one.paths))
+
     def export(self, target: Package, path: FilePath, *, overwrite: bool = False) -> Path:
         """Write the house as a package for other programs; returns its path.
 

@@ -17,6 +17,7 @@ from chord_usd.base.scene.articulation import FIXED, JOINTED
 from chord_usd.base.scene.limits import M_PER_PX, PARTS, REDRAWS, SEEDS, STEPS, TEXTURE_PX
 from chord_usd.base.scene.roof_forms import NO_ROOF, ROOF_FORMS, RoofForm
 from chord_usd.base.scene.skies import SKIES
+from chord_usd.base.scene.states import states_said
 from chord_usd.base.scene.styles import MIXED, STYLES, style_named
 
 DEVICES = ("auto", "cpu", "cuda")
@@ -129,6 +130,10 @@ class Settings:
         "", "published numbers to plan to: NKBA, DIN 18040-2, DIN 18040-2 R or M4(3); several with "
         "commas", "Standard", metavar="NAME",
     )  # fmt: skip
+    state: str = _row(
+        "", 'what stands open and which lamps are on: "doors: closed; bedroom 1 lamp: off"',
+        "States", metavar="STATES", check=states_said, faces=FACES,
+    )  # fmt: skip
     redraws: int = _row(
         2, "sample rooms with faults again, at most N times (2)", "Redraws", metavar="N",
         limits=REDRAWS,
@@ -199,6 +204,7 @@ class HouseOptions(TypedDict, total=False):
     arrange: bool
     furniture: str
     standard: str
+    state: str
     redraws: int
     m_per_px: float | None
     part: int

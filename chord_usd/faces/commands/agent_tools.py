@@ -177,8 +177,11 @@ class HouseTools:
     async def edit(
         self,
         house: House,
-        sentence: Annotated[str, Field(description='"put a plant in bedroom 1, no rug here"')],
         ctx: Context,
+        sentence: Annotated[str, Field(description='"put a plant in bedroom 1, no rug here"')] = "",
+        state: Annotated[
+            str, Field(description='instead: "doors: closed; bedroom 1 lamp: off"')
+        ] = "",
         dry_run: Annotated[bool, Field(description="only say whether it can be done")] = False,
         force: Annotated[bool, Field(description="also where the house gets worse")] = False,
         output: Annotated[str, Field(description="a new house; else this one is changed")] = "",
@@ -192,7 +195,8 @@ class HouseTools:
             words = ["edit", *_option("output", self._word(target))]
             # A blank before it: "-x" is no option, but a sentence that is not understood.
             words += ["--dry-run"] * dry_run + ["--force"] * force
-            words += [self._word(path), f" {sentence}"]
+            words += _option("state", state)
+            words += [self._word(path), *([f" {sentence}"] if sentence else [])]
             edits = path == target and not dry_run
             answer = await self._call(words, [path, target], ctx, edits=edits)
             return _answered(answer.data)

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
 from chord_usd.faces.commands.certified import holds, reported
-from chord_usd.faces.commands.common import Outcome, Verbs, add_verb, existing_file, stopwatch
+from chord_usd.faces.commands.common import (
+    Outcome,
+    UsageError,
+    Verbs,
+    add_verb,
+    existing_file,
+    stopwatch,
+)
 from chord_usd.faces.commands.house_options import add_options
 from chord_usd.faces.commands.paths import in_place_of, output_file, with_suffixes
 
@@ -20,10 +27,11 @@ def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(verbs, "edit", run, "change a house as a sentence says, and nothing else")
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
-    parser.add_argument(
-        "sentence", metavar="SENTENCE",
+    sentence = parser.add_argument(
+        "sentence", metavar="SENTENCE", default="",
         help='what shall be changed: "put a plant in bedroom 1, no rug in the hall"',
     )  # fmt: skip
+    sentence.required = False  # with --state; nargs="?" would end it before later options
     parser.add_argument(
         "--dry-run", action="store_true",
         help="only say what is understood and whether it can be done; change nothing",
@@ -47,7 +55,7 @@ def add(verbs: Verbs) -> None:
     )
     in_place_of(target, "STAGE")
     with_suffixes(target, STAGE_SUFFIXES)
-    add_options(parser, "asset_folders")
+    add_options(parser, "state", "asset_folders")
 
 
 def run(options: argparse.Namespace) -> Outcome:
@@ -56,7 +64,12 @@ def run(options: argparse.Namespace) -> Outcome:
     from chord_usd.line.pipeline.edit_house import edit
     from chord_usd.line.stage.check.check_stage import certificate
 
+    if bool(options.sentence) == bool(options.state):
+        raise UsageError("needs a sentence or a state", where="edit",
+                         expected='SENTENCE, or --state "doors: closed"')  # fmt: skip
     source = existing_file(options.stage)
+    if options.state:
+        return _set_states(source, options.output or source, options)
     edits = existing_file(options.edits) if options.edits else None
     target = options.output or source
     watch = stopwatch(options)
@@ -69,7 +82,7 @@ def run(options: argparse.Namespace) -> Outcome:
     data = {
         "stage": str(target), **_data(reading), "added": list(done.added),
         "removed": list(done.removed), "moved": list(done.moved),
-        "taken_over": list(done.taken_over), "written": not options.dry_run,
+        "taken_over": list(done.taken_over), "states": [], "written": not options.dry_run,
         "seconds": watch.seconds, "certificate": check,
     }  # fmt: skip
     counts = ", ".join(
@@ -80,6 +93,29 @@ def run(options: argparse.Namespace) -> Outcome:
     written = "a dry run, nothing is written" if options.dry_run else counts or "done"
     text = reported(check, *_told(reading), f"{target}: {written}")
     return Outcome(text, data, holds(check))
+
+
+def _set_states(source: Path, target: Path, options: argparse.Namespace) -> Outcome:
+    """Gives doors and lamps the states of an option."""
+    from chord_usd.base.runtime.alone import alone_with
+    from chord_usd.line.pipeline.house_states import set_states
+    from chord_usd.line.stage.check.check_stage import certificate, check_stage
+
+    watch = stopwatch(options)
+    with alone_with(source), watch.step("stage"):
+        stated = set_states(source, target, options.state, dry_run=options.dry_run)
+    with watch.step("check"):
+        check = certificate(check_stage(source if options.dry_run else target))
+    data = {
+        "stage": str(target), "understood": [], "read_as": [], "rooms": [], "added": [],
+        "removed": [], "moved": [], "taken_over": [],
+        "states": [{"subject": one.subject, "state": one.state, "paths": list(one.paths)}
+                   for one in stated],
+        "written": not options.dry_run, "seconds": watch.seconds, "certificate": check,
+    }  # fmt: skip
+    told = [f"{one.subject}: {one.state} ({len(one.paths)})" for one in stated]
+    written = "a dry run, nothing is written" if options.dry_run else "done"
+    return Outcome(reported(check, *told, f"{target}: {written}"), data, holds(check))
 
 
 def _told(reading: Reading) -> list[str]:

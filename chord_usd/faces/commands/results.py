@@ -154,6 +154,14 @@ class Intent(TypedDict):
     told: str
 
 
+class Stated(TypedDict):
+    """A clause of --state, and the prims of the leaves and lights that it means."""
+
+    subject: str
+    state: str
+    paths: list[str]
+
+
 class Edited(TypedDict):
     """edit."""
 
@@ -165,6 +173,7 @@ class Edited(TypedDict):
     removed: list[str]
     moved: list[str]
     taken_over: list[str]
+    states: list[Stated]
     written: bool
     seconds: Seconds
     certificate: Certificate

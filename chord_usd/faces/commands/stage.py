@@ -26,7 +26,8 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("scene", type=Path, metavar="SCENE", help="scene graph, CHOrD JSON")
     add_stage_output(parser)
     add_options(
-        parser, "seed", "texture_px", "articulation", "arrange", "sky", "roof", "asset_folders",
+        parser, "seed", "texture_px", "articulation", "arrange", "sky", "state", "roof",
+        "asset_folders",
         unset=("style",),
         style=f"{', '.join(STYLES)} or {MIXED} (that of the scene, else one of them by the seed)",
     )  # fmt: skip

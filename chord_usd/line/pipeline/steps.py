@@ -284,10 +284,16 @@ def write_levels(
     from chord_usd.line.stage.author.author_stage import author_levels
 
     looks = style_looks(style, settings.seed, settings.texture_px)
-    return author_levels(
+    stage = author_levels(
         levels, stage_path, seed=settings.seed, looks=looks, style=style.name, sky=settings.sky,
         articulation=settings.articulation, roof=settings.roof,
     )  # fmt: skip
+    if settings.state:
+        from chord_usd.line.pipeline.house_states import set_states
+
+        set_states(stage_path, stage_path, settings.state)
+        stage = replace(stage, content_hash=hash_file(stage_path))
+    return stage
 
 
 def in_style(graph: SceneGraph, style: HomeStyle) -> SceneGraph:

@@ -40,6 +40,7 @@ from chord_usd.line.stage.check.check_rules import (
 )
 from chord_usd.line.stage.check.check_scene import StageScene, read_storeys
 from chord_usd.line.stage.check.check_stairs import stage_walks, stair_faults
+from chord_usd.line.stage.read.leaf_states import shut_leaves
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,9 @@ def check_stage(path: Path, *, own: bool = False, standards: Sequence[Standard] 
     the home is compared with beside the certificate.
     """
     with reading(path):
-        return _reported(open_known(path) if own else open_stage(path), standards)
+        stage = open_known(path) if own else open_stage(path)
+        shut_leaves(stage)
+        return _reported(stage, standards)
 
 
 def _reported(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:

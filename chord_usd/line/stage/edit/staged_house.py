@@ -27,6 +27,7 @@ from chord_usd.line.stage.author.names import printable, room_title
 from chord_usd.line.stage.author.stage_levels import ROOMS
 from chord_usd.line.stage.check.check_rules import NODE_ID
 from chord_usd.line.stage.check.check_scene import CATEGORY
+from chord_usd.line.stage.read.leaf_states import shut_leaves
 from chord_usd.line.stage.read.storey_rooms import storey_of
 
 SEED = "chord:seed"
@@ -117,7 +118,9 @@ def read_house(path: Path, room_name: str = "") -> StagedHouse:
     room_name: of a room whose storey is read, of a house of several.
     """
     with reading(path):
-        return _house_of(open_stage(path), path, room_name)
+        stage = open_stage(path)
+        shut_leaves(stage)
+        return _house_of(stage, path, room_name)
 
 
 def read_edited_house(edits: Path, source: Path, room_name: str = "") -> StagedHouse:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -39,6 +39,7 @@ from chord_usd.base.scene.types import (
 from chord_usd.line.stage.author.names import ROOM_LABELS, printable, room_title, spoken
 from chord_usd.line.stage.check.check_contact import Body, Solid
 from chord_usd.line.stage.check.check_scene import StageScene, StageStair, read_scene, read_storeys
+from chord_usd.line.stage.read.leaf_states import StatedDoor, stated_doors
 from chord_usd.line.stage.shell.author_shell import opens_to
 from chord_usd.line.stage.shell.opening_parts import side_of, span_of
 from chord_usd.line.stage.shell.opening_shapes import Span
@@ -85,11 +86,21 @@ class House:
     """Parts of its rooms that stairs stand on or come up through."""
     holes: tuple[Polygon, ...] = ()
     """What of these has no floor."""
+    stated: Mapping[str, StatedDoor] = field(default_factory=dict)
+    """Doors and windows that somebody gave a state, by the ids of openings."""
 
     @property
     def plan(self) -> Plan:
         """Rooms and openings."""
         return self.graph.plan
+
+    @property
+    def scene_as_stated(self) -> StageScene:
+        """The scene without the doors between rooms that are shut by their state."""
+        shut = {one.id for one in self.scene.graph.openings if len(one.room_ids) > 1
+                and (door := self.stated.get(_opening_id(one.id))) and door.is_shut}  # fmt: skip
+        kept = tuple(one for one in self.scene.graph.openings if one.id not in shut)
+        return replace(self.scene, graph=replace(self.scene.graph, openings=kept))
 
     @cached_property
     def walls(self) -> Walls:
@@ -207,13 +218,14 @@ def _storey(stage: Usd.Stage, scene: StageScene) -> House:
     }
     rooms = tuple(replace(room, id=room.name) for room in scene.graph.rooms)
     floors = Floors(rooms)
-    openings, owners = [], {}
+    openings, owners, stated = [], {}, {}
+    doors = stated_doors(stage)
     for one in scene.graph.openings:
-        room_path, _, own_name = one.id.partition("/Architecture/")
-        owner = names.get(room_path, rooms[0].id)
-        frame = room_path.rsplit("/", 1)[-1]
-        own_id = f"{frame}_{own_name.rsplit('/', 1)[-1]}"
+        owner = names.get(one.id.partition("/Architecture/")[0], rooms[0].id)
+        own_id = _opening_id(one.id)
         owners[own_id] = owner
+        if one.id in doors:
+            stated[own_id] = doors[one.id]
         openings.append(replace(one, id=own_id, room_ids=rooms_beside(one.box, floors)))
     graph = replace(
         scene.graph,
@@ -223,7 +235,14 @@ def _storey(stage: Usd.Stage, scene: StageScene) -> House:
         dressing=tuple(_in_room(item, names) for item in scene.graph.dressing),
     )
     titles = {room.id: room_title(room, shown[room.id], rooms) for room in rooms}
-    return House(graph, {body.path: body for body in scene.items}, parted, titles, owners)
+    bodies = {body.path: body for body in scene.items}
+    return House(graph, bodies, parted, titles, owners, stated=stated)
+
+
+def _opening_id(path: str) -> str:
+    """Bedroom_0_Door_0, of the path of its prim."""
+    room_path, _, name = path.partition("/Architecture/")
+    return f"{room_path.rsplit('/', 1)[-1]}_{name.rsplit('/', 1)[-1]}"
 
 
 def span_in_plan(tunnel: Tunnel) -> Span:

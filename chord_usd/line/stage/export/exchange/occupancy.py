@@ -1,6 +1,7 @@
 """Which part of a house a robot can be in, in cells of 5 cm.
 
-Doors count as open: their holes are free. What is lower than THRESHOLD_M (rugs, sills) is driven
+Doors count as open, and their leaves as out of the way, unless somebody gave them a state: then
+their leaves are occupied where they stand. What is lower than THRESHOLD_M (rugs, sills) is driven
 over, what begins above ROBOT_M is driven under.
 """
 
@@ -82,6 +83,9 @@ class Grid:
             self._occupy(well)
         for shadow in obstacles(house, stage):
             self._occupy(shadow)
+        for door in house.stated.values():
+            for shadow in door.shadows_m:
+                self._occupy(shadow)
 
     def _free(self, floor: BaseGeometry) -> None:
         for part in polygons_of(floor):

@@ -83,7 +83,7 @@ class _Reach:
 
 def _reaches(grids: Sequence[Grid], houses: Sequence[House]) -> list[_Reach]:
     """What the certificate's walker reaches, and of that what is free on the grids."""
-    storeys = [house.scene for house in houses]
+    storeys = [house.scene_as_stated for house in houses]
     walks = stage_walks(storeys, stair_faults(storeys))
     return [_reach(*each) for each in zip(grids, houses, walks, strict=True)]
 
@@ -172,10 +172,11 @@ def _doors(house: House) -> Iterator[dict[str, Any]]:
     """Doors and passages; the outside is no room."""
     for opening in house.plan.openings:
         if opening.kind != "window":
-            yield _door(opening)
+            yield _door(opening, house)
 
 
-def _door(opening: Opening) -> dict[str, Any]:
+def _door(opening: Opening, house: House) -> dict[str, Any]:
+    stated = house.stated.get(opening.id)
     x, y, _ = opening.box.center_m
     return {
         "id": opening.id, "kind": opening.kind, "rooms": list(opening.room_ids),
@@ -183,6 +184,7 @@ def _door(opening: Opening) -> dict[str, Any]:
         # Across the wall: the way one drives through.
         "yaw": _radians(opening.box.yaw_deg + 90.0),
         "width": round(opening.box.size_m[0], 4), "height": round(opening.box.size_m[2], 4),
+        "state": stated.state if stated else None,
     }  # fmt: skip
 
 
@@ -191,7 +193,7 @@ def _open_edges(house: House) -> Iterator[dict[str, Any]]:
     borders = open_borders(house.plan.rooms, house.plan.openings)
     for border_id, sides in groupby(borders, lambda border: border.id):
         border = max(sides, key=lambda side: side.box.size_m[0])
-        yield {**_door(border), "id": border_id, "kind": "open", "height": None}
+        yield {**_door(border, house), "id": border_id, "kind": "open", "height": None}
 
 
 def _radians(yaw_deg: float) -> float:
