@@ -208,6 +208,23 @@ def test_a_shower_before_a_window_moves() -> None:
     assert not blocked_openings(after)
 
 
+def test_a_bath_replaces_a_shower_that_keeps_more_rules_before_a_window() -> None:
+    """The certificate counts what stands before openings; rules of bathrooms do not."""
+    room = Room("r", "bathroom", frozen_array([(0, 0), (1.47, 0), (1.47, 2.1), (0, 2.1)]))
+    openings = (
+        Opening("d", "door", Box((1.59, 1.62, 0.0), (0.75, 0.24, 2.1), 90.0), ("r",)),
+        Opening("w", "window", Box((0.65, -0.12, 0.9), (0.77, 0.24, 1.2), 0.0), ("r",)),
+    )
+    pieces = (("toilet", Box((0.33, 0.33, 0.0), (0.4, 0.65, 0.8), 180.0)),
+              ("shower", Box((1.03, 0.43, 0.0), (0.88, 0.85, 2.1), 180.0)),
+              ("washbasin", Box((0.34, 1.9, 0.0), (0.6, 0.4, 0.85), 0.0)))  # fmt: skip
+    items = tuple(Item(f"r/{name}_0", name, box, "r") for name, box in pieces)
+    house = SceneGraph((room,), openings, items)
+    made = put_back(house, house, ["r"], [], lambda graph: graph, is_searched=True)
+    assert blocked_openings(house) and not blocked_openings(made)
+    assert {item.category for item in made.items} == {"toilet", "bathtub", "washbasin"}
+
+
 def test_nothing_is_placed_where_a_door_of_furniture_swings() -> None:
     room = Room("room", "living", frozen_array([(0, 0), (5, 0), (5, 4), (0, 4)]))
     cabinet = Item("room/tv_cabinet_0", "tv_cabinet", Box((2.5, 0.2, 0.0), (1.6, 0.4, 0.5), 180.0),
@@ -312,15 +329,17 @@ def test_a_chair_before_a_flap_is_moved() -> None:
 
 
 def test_nothing_that_opens_stays_before_a_wall() -> None:
-    """A washing machine across a washroom of 80 cm, where a basin keeps it from the end wall; a
-    cabinet in a corridor, which has walls with more floor before them."""
-    doors = {"washroom": (0.4, 2.9, 0.7), "corridor": (0.6, 4.1, 0.9)}
+    """A washing machine across a washroom of 80 cm, where a basin keeps it from the end wall; the
+    same in a WC, where no basin stands elsewhere; a cabinet in a corridor, which has walls with
+    more floor before them."""
+    doors = {"washroom": (0.4, 2.9, 0.7), "wc": (0.4, 1.6, 0.7), "corridor": (0.6, 4.1, 0.9)}
     pieces = {
         "washroom": [("washing_machine", Box((0.5, 0.6, 0.0), (0.6, 0.6, 0.9), -90.0)),
                      ("washbasin", Box((0.4, 0.15, 0.0), (0.6, 0.3, 0.85), 180.0))],
         "corridor": [("cabinet", Box((0.3, 1.0, 0.0), (1.0, 0.6, 2.0), 90.0))],
     }  # fmt: skip
-    sizes = {"washroom": (0.8, 2.8), "corridor": (1.0, 4.0)}
+    pieces["wc"] = pieces["washroom"]
+    sizes = {"washroom": (0.8, 2.8), "wc": (0.8, 1.5), "corridor": (1.0, 4.0)}
     left = {}
     for kind, (x, y, wide) in doors.items():
         width, length = sizes[kind]
@@ -333,7 +352,8 @@ def test_nothing_that_opens_stays_before_a_wall() -> None:
         after = View(shell, tuple(_repaired(house).items))
         assert not stuck(after).any()
         left[kind] = after.categories
-    assert left["washroom"] == ["washbasin"]
+    assert {*left["washroom"]} == {"washing_machine", "washbasin"}
+    assert "washing_machine" not in left["wc"]
     assert "cabinet" in left["corridor"]
 
 

@@ -11,7 +11,14 @@ from itertools import count
 import numpy as np
 
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
-from chord_usd.base.metrics.design.price import broken_share, home_price, room_prices
+from chord_usd.base.metrics.design.price import (
+    FAULT,
+    broken_share,
+    home_price,
+    quick_price,
+    room_prices,
+    tight,
+)
 from chord_usd.base.metrics.design.shut_leaves import stuck
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import is_to_furnish
@@ -72,6 +79,7 @@ def put_back(
                 break
             if not work.change(at, changes_of(now)):
                 break
+        work.mend(at)
         work.change(at, [without_stuck], gain=-_EMPTY)
     work.furnish_empty(set(rooms) - set(decided))
     work.repair(set(rooms) - set(decided), lacking(before) if before else (), compose)
@@ -89,14 +97,20 @@ class _Work:
     def change(
         self, at: int, changes: Iterable[Propose], gain: float = LEAST_GAIN, *, mends: bool = False
     ) -> bool:
-        """Whether any of these changes to a room was worth it. mends: only if less is wrong."""
+        """Whether any of these changes to a room was worth it. mends: with what faults cost."""
         view, home = self.home.rooms[at], self.home
+        permits = self._permits_of(at)
 
         def cost(room: View) -> float:
             return home_price(replace(home, rooms=(*home.rooms[:at], room, *home.rooms[at + 1 :])))
 
-        permits = self._permits_of(at)
-        better = improved(view, cost, changes, permits.less if mends else permits, gain)
+        def cheaper(room: View) -> bool:
+            return price(room) < price(view)
+
+        def price(room: View) -> float:
+            return FAULT * permits.faults(room.items) + quick_price(room) + cost(room)
+
+        better = improved(view, cost, changes, cheaper if mends else permits, gain)
         if better is view:
             return False
         self.home = replace(home, rooms=(*home.rooms[:at], better, *home.rooms[at + 1 :]))
@@ -108,6 +122,13 @@ class _Work:
             standing = {room.shell.room.id: room.items for room in self.home.rooms}
             self._permits[at] = _Permits(self._graph, self.home.rooms[at].shell.room, standing)
         return self._permits[at]
+
+    def mend(self, at: int) -> None:
+        """Let a room break rules where fewer pieces stand wrongly then, if that costs less: a bath
+        in place of a shower before a window."""
+        view = self.home.rooms[at]
+        if tight(view) and self._permits_of(at).most:
+            self.change(at, map(_fewer_wrong, changes_of(view)), -_EMPTY, mends=True)
 
     def furnish_empty(self, rooms: Collection[str]) -> None:
         """Give each of these rooms that is empty the first piece that fits: however few rules it
@@ -235,18 +256,25 @@ class _Permits:
     @cached_property
     def most(self) -> float:
         """How much is wrong as it is."""
-        return self._faults(self._own)
+        return self.faults(self._own)
 
-    def _faults(self, items: Sequence[Item]) -> float:
+    def faults(self, items: Sequence[Item]) -> float:
+        """How much is wrong with these pieces in the room."""
         house = replace(self._around, items=(*self._around.items, *items))
         return sum(room_faults(house, self._near))
 
     def __call__(self, view: View) -> bool:
-        return self._faults(view.items) <= self.most
+        return self.faults(view.items) <= self.most
 
-    def less(self, view: View) -> bool:
-        """Whether less is wrong."""
-        return self._faults(view.items) < self.most
+
+def _fewer_wrong(propose: Propose) -> Propose:
+    """Those of some changes with which fewer pieces stand wrongly."""
+
+    def fewer(view: View) -> Iterator[Change]:
+        most = tight(view)
+        return (one for one in propose(view) if tight(View(view.shell, one, view.hung)) < most)
+
+    return fewer
 
 
 def without_stuck(view: View) -> Iterator[Change]:
