@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -169,6 +170,21 @@ def test_what_makes_a_house_worse_is_refused_with_its_place_unless_forced(
         *_, report = edit(house, sentence, house, force=True)
         assert any(why in flaw for flaw in report.flaws)
         assert house.read_bytes() != text
+
+
+def test_what_breaks_a_clause_of_a_standard_alone_is_refused_unless_forced(
+    staged_graph: SceneGraph, tmp_path: Path
+) -> None:
+    """The certificate and the planning table ask for less floor before furniture."""
+    made = replace(staged_graph.provenance, configuration={"standard": "DIN 18040-2"})
+    path = author_stage(replace(staged_graph, provenance=made), tmp_path / "h.usda", seed=3).path
+    text, before, words = path.read_bytes(), check_stage(path), "put a desk in bedroom 2"
+    with pytest.raises(StageError, match=r"Bedroom_1: .*DIN 18040-2, rooms, furniture"):
+        edit(path, words, path)
+    assert path.read_bytes() == text
+    *_, report = edit(path, words, path, force=True)
+    assert not worse(before, report)
+    assert path.read_bytes() != text
 
 
 def test_a_refusal_is_one_line_and_an_exit_code(

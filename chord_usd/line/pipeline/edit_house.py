@@ -304,7 +304,8 @@ def _worse_planned(house: StagedHouse, after: SceneGraph) -> list[str]:
         known = {(clause.name, place) for clause, place, _ in
                  keeping(standard, [house.graph]).findings}  # fmt: skip
         now = keeping(standard, [after])
-        lost += [line for line, (clause, place, _) in zip(now.lines, now.findings, strict=True)
+        lost += [now.line(clause, names.get(place, place), finding)
+                 for clause, place, finding in now.findings
                  if (clause.name, place) not in known]  # fmt: skip
     return lost
 

@@ -195,11 +195,12 @@ class Kept:
     @property
     def lines(self) -> list[str]:
         """What does not keep the standard, a line each."""
-        return [
-            f"{place or 'home'}: {finding.said} ({self.standard.name}, {clause.name}), "
-            f"at {finding.at[0]:.2f}, {finding.at[1]:.2f} m"
-            for clause, place, finding in self.findings
-        ]
+        return [self.line(*finding) for finding in self.findings]
+
+    def line(self, clause: Clause, place: str, finding: Finding) -> str:
+        """What a value misses. place: name of the room, or empty for the home."""
+        return (f"{place or 'home'}: {finding.said} ({self.standard.name}, {clause.name}), "
+                f"at {finding.at[0]:.2f}, {finding.at[1]:.2f} m")  # fmt: skip
 
     @property
     def summary(self) -> str:
