@@ -105,6 +105,36 @@ def test_a_home_without_a_living_room_lives_where_it_sleeps() -> None:
     assert _repaired(home, [room.id for room in home.rooms]).items == home.items
 
 
+def test_a_room_to_live_and_sleep_in_has_sofa_and_television_before_a_desk() -> None:
+    """The bed stands at the wall that both need, opposite the window."""
+    outlines = {"day": (0, 0, 6, 4.5), "bathroom": (0, 4.74, 2.2, 6.8)}
+    kinds: dict[str, RoomKind] = {"day": "living", "bathroom": "bathroom"}
+    rooms = tuple(
+        Room(name, kinds[name], frozen_array([(a, b), (c, b), (c, d), (a, d)]))
+        for name, (a, b, c, d) in outlines.items()
+    )
+    openings = (
+        Opening("front", "door", Box((6.12, 3.8, 0.0), (0.9, 0.24, 2.1), 90.0), ("day",)),
+        Opening("d", "door", Box((1.1, 4.62, 0.0), (0.75, 0.24, 2.1), 0.0), ("day", "bathroom")),
+        Opening("w", "window", Box((3.0, -0.12, 0.9), (2.0, 0.24, 1.4), 0.0), ("day",)),
+    )
+    pieces = (("bed", Box((3.0, 3.4, 0.0), (2.0, 2.05, 1.0), 0.0)),
+              ("table", Box((1.3, 0.25, 0.0), (0.85, 0.5, 0.75), 180.0)),
+              ("chair", Box((1.3, 1.0, 0.0), (0.45, 0.55, 0.9), -90.0)),
+              ("cabinet", Box((0.25, 2.4, 0.0), (1.2, 0.5, 2.15), 90.0)),
+              ("dining_cabinet", Box((5.8, 1.2, 0.0), (2.3, 0.4, 1.5), -90.0)),
+              ("sofa", Box((3.0, 0.55, 0.0), (1.85, 1.0, 0.8), 180.0)),
+              ("coffee_table", Box((3.0, 1.85, 0.0), (0.8, 0.6, 0.42), 180.0)),
+              ("single_sofa", Box((4.15, 2.0, 0.0), (0.8, 0.75, 0.85), -90.0)))  # fmt: skip
+    items = tuple(Item(f"day/{name}_0", name, box, "day") for name, box in pieces)
+    house = SceneGraph(rooms, openings, items)
+    broken = [{one.rule for judged in judged_room(view_home(graph).rooms[0])
+               for one in judged.findings} for graph in (house, _repaired(house))]  # fmt: skip
+    assert {"television", "sofa before a window", "bedside tables of a double bed"} <= broken[0]
+    assert not {"television", "sofa before a window", "bedside tables of a double bed",
+                "wardrobe a sleeper", "seats to talk to"} & broken[1]  # fmt: skip
+
+
 def test_shoes_leave_the_floor_behind_the_front_door() -> None:
     """A cabinet stands 15 cm over the width of the door, and walls have other places."""
     shoes = ("kitchen", "shoe_cabinet", Box((6.2, 0.6, 0.0), (1.1, 0.3, 1.1), 90.0))

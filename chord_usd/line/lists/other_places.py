@@ -52,8 +52,11 @@ _SOFA_M = (2.2, 0.9, 0.85)
 _SOFAS_M = (2.25, 1.7)
 """Lengths of sofas beside the one that is there."""
 _SIDEBOARDS = ("dining_cabinet", "side_coffee_table")
-_WEIGHED, _ZONED = 48, 8
-"""Groups that are weighed, and those for which the dining table is laid elsewhere."""
+_SPARE = (*_SIDEBOARDS, "table", "chair")
+"""What a room that is slept in can do without before it does without sofa, bed and television."""
+_WEIGHED, _ZONED, _BEDS, _TABLES = 48, 8, 2, 10
+"""Groups that are weighed, those for which other furniture is placed elsewhere, places of a bed for
+each of these, and of a dining table for each of these."""
 _DEEP_M2 = 16.0
 _VIEWED_FROM_M = 2.2
 """From the back of a sofa's seat to a television, where no wall is behind the sofa."""
@@ -69,13 +72,12 @@ def changes_of(view: View) -> list[Propose]:
     changes: list[Propose] = [*wet, *BY_KIND.get(view.shell.kind, ())]
     if view.shell.kind == "bedroom":
         changes += [longer_wardrobe, another_wardrobe]
-    last: Mapping[str, Propose] = {"living": zoned, "bedroom": wardrobe_instead}
-    return [
-        *changes,
-        *chairs,
-        moved,
-        *(one for kind, one in last.items() if kind == view.shell.kind),
-    ]
+    elif view.of("bed"):
+        changes += [*BY_KIND["bedroom"], longer_wardrobe, another_wardrobe]
+    last: Mapping[str, Sequence[Propose]] = {
+        "living": (zoned, slept_in), "bedroom": (wardrobe_instead,),
+    }  # fmt: skip
+    return [*changes, *chairs, moved, *last.get(view.shell.kind, ())]
 
 
 def moved(view: View) -> Iterator[Change]:
@@ -159,10 +161,26 @@ def zoned(view: View) -> Iterator[Change]:
         yield from laid[:: 1 + len(laid) // 2]
 
 
-def _best(view: View, groups: Sequence[Change]) -> list[Change]:
+def slept_in(view: View) -> Iterator[Change]:
+    """A living room where one sleeps, with sofa, bed, wardrobe and dining table placed in this
+    order; without what it can do without."""
+    beds = view.of("bed")[:1]
+    if not beds or not any(one.findings for one in judged_room(view)):
+        return
+    tables, spare = view.of("dining_table"), view.of(*_SPARE)
+    moves = {*view.of("bed_background", "bedside_table", "cabinet"), *beds, *tables, *spare}
+    seats = max(2, seats_at(view))
+    for items in _best(view, free_of_clashes(view, list(_grouped(view, [*moves])))):
+        room = View(view.shell, (*items, view.items[beds[0]]), view.hung)
+        for own in _best(room, free_of_clashes(room, list(_bed(room, len(items)))), _BEDS):
+            laid = list(laid_table(View(view.shell, own, view.hung), seats)) if tables else []
+            yield from _best(view, laid[:: 1 + len(laid) // _TABLES] or [own], 1)
+
+
+def _best(view: View, groups: Sequence[Change], most: int = _ZONED) -> list[Change]:
     """The groups that break the fewest rules, of some that differ most."""
     some = groups[:: 1 + len(groups) // _WEIGHED]
-    return sorted(some, key=lambda items: quick_price(View(view.shell, items, view.hung)))[:_ZONED]
+    return sorted(some, key=lambda items: quick_price(View(view.shell, items, view.hung)))[:most]
 
 
 def _grouped(view: View, moves: Sequence[int]) -> Iterator[Change]:

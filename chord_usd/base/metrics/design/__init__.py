@@ -42,7 +42,7 @@ class Design:
     """How a home is planned."""
 
     rooms: tuple[Judged, ...]
-    """Those that rules are asked of; a room with a dining table or a kitchen in it comes again."""
+    """Those that rules are asked of; a room with a dining table, a bed or a kitchen in it comes again."""
     home: Judged
 
     @property
@@ -54,11 +54,13 @@ class Design:
 
 
 def judged_room(view: View) -> Iterator[Judged]:
-    """A room by the rules of its kind, of a kitchen in it, and of its dining table."""
+    """A room by the rules of its kind, of a bed and a kitchen in it, and of its dining table."""
     shell = view.shell
     rules = ROOM_RULES.get(shell.kind)
     if rules:
         yield judge(rules, view, shell.room.id, shell.kind, shell.area_m2)
+    if shell.kind != "bedroom" and view.of("bed"):
+        yield judge(bedroom_rules.RULES, view, shell.room.id, "bedroom", shell.area_m2)
     if shell.kind != "kitchen" and view.of("sink_cabinet") and view.of("cooker_cabinet"):
         yield judge(kitchen_rules.RULES, view, shell.room.id, "kitchen", max(shell.area_m2, 8.0))
     if view.of("dining_table"):
