@@ -42,7 +42,7 @@ class Design:
     """How a home is planned."""
 
     rooms: tuple[Judged, ...]
-    """Those that rules are asked of; one with a dining table, a bed or a kitchen in it comes again."""
+    """Those that rules are asked of; one with a table, a bed or a kitchen in it comes again."""
     home: Judged
 
     @property
