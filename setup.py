@@ -14,6 +14,7 @@ setup(
         "chord_usd": [
             "py.typed",
             "**/*.tsv",
+            "**/*.schema.json",
             "library/cloth/*.npz",
             "faces/page/static/*",
         ],

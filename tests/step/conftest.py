@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING
 import pytest
 from pxr import Gf, Kind, Usd, UsdGeom
 
+from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.styles import MIXED, style_named
 from chord_usd.base.scene.types import Asset, Box, Item, Provenance, SceneGraph
+from chord_usd.library.database import load_database
 from chord_usd.library.looks.look_library import StyleLooks, style_looks
 from chord_usd.line.stage.author.author_stage import author_stage
 
@@ -94,6 +96,29 @@ def staged_house(
 ) -> Path:
     path = tmp_path_factory.mktemp("stage") / "house.usda"
     return author_stage(staged_graph, path, seed=3, looks=looks_of(3)).path
+
+
+@pytest.fixture(scope="session")
+def opening_house(furnished_house: SceneGraph, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Pieces of the library that open, a book on those with a top, a lamp in two kinds of rooms."""
+    database = load_database(texture_px=256)
+    book = database.nearest("lying_book", (0.15, 0.2, 0.03))
+    items = []
+    for item in furnished_house.items:
+        if item.category in ("cabinet", "bedside_table"):
+            on_top = Box((0.0, 0.0, item.box.size_m[2]), book.size_m, 0.0)
+            on_it = Item(f"{item.id}/book", "lying_book", on_top, item.room_id, book)
+            children = (on_it,) if item.category == "bedside_table" else ()
+            asset = database.nearest(item.category, item.box.size_m)
+            items.append(replace(item, asset=asset, children=children))
+    lamp = database.nearest("floor_lamp", (0.4, 0.4, 1.5))
+    lamps = [
+        Item(f"{room.id}/lamp", "floor_lamp",
+             Box((*room_polygon(room).centroid.coords[0], 0.0), lamp.size_m, 0.0), room.id, lamp)
+        for room in furnished_house.rooms if room.kind in ("bedroom", "living")
+    ]  # fmt: skip
+    graph = replace(furnished_house, items=tuple(items), dressing=tuple(lamps))
+    return author_stage(graph, tmp_path_factory.mktemp("opening") / "house.usda", seed=3).path
 
 
 @pytest.fixture

@@ -3,42 +3,27 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+import shutil
 from pathlib import Path
 
 import pytest
 from pxr import Usd, UsdGeom, UsdLux, UsdPhysics
 
 from chord_usd.base.errors import ChordError
-from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.states import read_states
-from chord_usd.base.scene.types import Box, Item, SceneGraph
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.cli import main
-from chord_usd.library.database import load_database
 from chord_usd.line.pipeline.house_states import set_states
-from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check.check_stage import check_stage
 from chord_usd.line.stage.read.leaf_states import stated_doors
 
 
 @pytest.fixture(scope="module")
-def house(furnished_house: SceneGraph, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Cabinets that open, and a lamp in two rooms; every test gives all of it the usual state
-    first."""
-    database = load_database(texture_px=256)
-    items = [
-        replace(item, asset=database.nearest(item.category, item.box.size_m), children=())
-        for item in furnished_house.items if item.category in ("cabinet", "bedside_table")
-    ]  # fmt: skip
-    lamp = database.nearest("floor_lamp", (0.4, 0.4, 1.5))
-    lamps = [
-        Item(f"{room.id}/lamp", "floor_lamp",
-             Box((*room_polygon(room).centroid.coords[0], 0.0), lamp.size_m, 0.0), room.id, lamp)
-        for room in furnished_house.rooms if room.kind in ("bedroom", "living")
-    ]  # fmt: skip
-    graph = replace(furnished_house, items=tuple(items), dressing=tuple(lamps))
-    return author_stage(graph, tmp_path_factory.mktemp("states") / "house.usda", seed=3).path
+def house(opening_house: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy; every test gives all of it the usual state first."""
+    return Path(shutil.copytree(opening_house.parent, tmp_path_factory.mktemp("s") / "h")) / (
+        opening_house.name
+    )
 
 
 def stated(house: Path, text: str) -> Usd.Stage:

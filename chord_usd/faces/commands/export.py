@@ -28,6 +28,7 @@ PACKAGES = {
     "ifc": "a building in IFC4",
     "dxf": "a plan for CAD",
     "ros": "a folder with an occupancy grid, rooms, doors and free poses for robots",
+    "robot": "a .json of what opens and its handles, supports, things to grasp, poses, tasks",
     "mujoco": "a folder with an MJCF model, its meshes and textures",
     "blend": "a file of Blender with its pictures in it",
     "materialx": "a folder with the house, its materials in MaterialX, too",

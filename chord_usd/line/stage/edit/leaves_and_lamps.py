@@ -87,7 +87,7 @@ def give_states(
     """Write a house to target, which may be source, with leaves and lights in these states, in
     this order. stage: the house at source, as things_there left it. Raises as rewrite does."""
     furniture = any(isinstance(one, LeafThere) and one.piece for one, _ in states)
-    free = _free_shares(stage) if furniture else {}
+    free = free_shares(stage) if furniture else {}
 
     def edit(path: Path, _: Sequence[Path]) -> Sdf.Layer:
         layer = open_layer(path)
@@ -102,7 +102,7 @@ def give_states(
     rewrite(source, target, edit, Provenance())
 
 
-def _free_shares(stage: Usd.Stage) -> dict[Sdf.Path, float]:
+def free_shares(stage: Usd.Stage) -> dict[Sdf.Path, float]:
     """How far each leaf of furniture opens before something stops it, as a share of its range."""
     every = (each for scene in read_storeys(stage) for each in openables(stage, scene))
     return {Sdf.Path(each.path): each.free_share for each in every}

@@ -16,7 +16,7 @@ from chord_usd.line.stage.author.attribution import attribution_file
 
 PACKAGES = {
     "web": ".usdz", "ar": ".usdz", "gltf": ".glb", "ifc": ".ifc", "dxf": ".dxf", "ros": "",
-    "mujoco": "", "materialx": "",
+    "robot": ".json", "mujoco": "", "materialx": "",
 }  # fmt: skip
 """Kinds of packages and the suffix of their file; "" for a folder."""
 
@@ -27,6 +27,7 @@ _WRITERS = {
     "ifc": "exchange.ifc_model.write_ifc",
     "dxf": "exchange.dxf_drawing.write_dxf",
     "ros": "exchange.robot_map.write_map",
+    "robot": "exchange.robot_layer.write_robot_layer",
     "mujoco": "exchange.mjcf_model.write_mjcf",
     "materialx": "exchange.materialx.write_materialx",
 }

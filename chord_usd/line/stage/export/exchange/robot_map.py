@@ -31,20 +31,49 @@ _WAYS = 16
 def write_map(stage: Usd.Stage, folder: Path) -> None:
     """Write map.yaml, map.pgm, rooms.json and spawns.json; of a house of storeys, these in a folder
     for each, and house.json, which says how stairs join them. Raises StageError."""
+    storeys = surveyed(stage)
+    for one in storeys:
+        own = folder / one.house.storey.lower() if one.house.storey else folder
+        own.mkdir(exist_ok=True)
+        _write_storey(own, one.house, one.grid, one.reach)
+    if len(storeys) > 1:
+        houses, reaches = [one.house for one in storeys], [one.reach for one in storeys]
+        _write(folder / "house.json", _house(houses, reaches))
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """A storey, its map, and where a robot can be."""
+
+    house: House
+    grid: Grid
+    reach: Reach
+
+    @property
+    def rooms(self) -> dict[str, Any]:
+        """Rooms and doors, as rooms.json has them."""
+        return _rooms(self.house, self.reach)
+
+    @property
+    def ways_out(self) -> dict[str, list[dict[str, float]]]:
+        """Free poses from which a way leads to the entrance, by the ids of rooms."""
+        free = self.grid.image == FREE
+        return {
+            room.id: list(_poses(*self.reach.joined_in(room.id), self.grid, free))
+            for room in self.house.plan.rooms
+        }
+
+
+def surveyed(stage: Usd.Stage) -> list[Survey]:
+    """The storeys of a house, the lowest first. Raises StageError."""
     houses = houses_of(stage)
     grids = [Grid.around(house) for house in houses]
     for grid, house in zip(grids, houses, strict=True):
         grid.fill(house, stage)
-    reaches = _reaches(grids, houses)
-    for grid, house, reach in zip(grids, houses, reaches, strict=True):
-        own = folder / house.storey.lower() if house.storey else folder
-        own.mkdir(exist_ok=True)
-        _write_storey(own, house, grid, reach)
-    if len(houses) > 1:
-        _write(folder / "house.json", _house(houses, reaches))
+    return list(map(Survey, houses, grids, _reaches(grids, houses)))
 
 
-def _write_storey(folder: Path, house: House, grid: Grid, reach: _Reach) -> None:
+def _write_storey(folder: Path, house: House, grid: Grid, reach: Reach) -> None:
     header = f"P5\n{grid.image.shape[1]} {grid.image.shape[0]}\n255\n"
     (folder / "map.pgm").write_bytes(header.encode() + grid.image.tobytes())
     west, south = grid.origin_m
@@ -62,7 +91,7 @@ def _write(path: Path, data: dict[str, Any]) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Reach:
+class Reach:
     """Where the middle of a robot can be, and which of it the entrance leads to."""
 
     clear: BoolArray
@@ -74,21 +103,26 @@ class _Reach:
     shut: frozenset[str]
     """Ids of the rooms that no way leads to, as the certificate has them."""
 
+    def joined_in(self, room_id: str) -> tuple[Window, BoolArray]:
+        """Where in a room the entrance leads a robot."""
+        window, cells = self.rooms[room_id]
+        return window, cells & self.joined[window]
+
     def able(self, room_id: str) -> tuple[Window, BoolArray]:
         """Where in a room a robot can be: where the entrance leads, if it leads there."""
-        window, cells = self.rooms[room_id]
-        joined = cells & self.joined[window]
+        window, joined = self.joined_in(room_id)
+        cells = self.rooms[room_id][1]
         return window, joined if joined.any() else cells & self.clear[window]
 
 
-def _reaches(grids: Sequence[Grid], houses: Sequence[House]) -> list[_Reach]:
+def _reaches(grids: Sequence[Grid], houses: Sequence[House]) -> list[Reach]:
     """What the certificate's walker reaches, and of that what is free on the grids."""
     storeys = [house.scene_as_stated for house in houses]
     walks = stage_walks(storeys, stair_faults(storeys))
     return [_reach(*each) for each in zip(grids, houses, walks, strict=True)]
 
 
-def _reach(grid: Grid, house: House, walked: Walk) -> _Reach:
+def _reach(grid: Grid, house: House, walked: Walk) -> Reach:
     free = (grid.image == FREE).astype(np.uint8)
     distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     # To the corner of the nearest cell that is not free.
@@ -99,13 +133,13 @@ def _reach(grid: Grid, house: House, walked: Walk) -> _Reach:
         joined[window] |= within & clear[window]
     rooms = {room.id: grid.cells_in(room_polygon(room)) for room in house.plan.rooms}
     shut = frozenset(path.rsplit("/", 1)[-1] for path in walked.unreachable)
-    return _Reach(clear, joined, rooms, shut)
+    return Reach(clear, joined, rooms, shut)
 
 
 # Rooms and doors ----------------------------------------------------------------------------------
 
 
-def _house(houses: Sequence[House], reaches: Sequence[_Reach]) -> dict[str, Any]:
+def _house(houses: Sequence[House], reaches: Sequence[Reach]) -> dict[str, Any]:
     """Storeys, and stairs as edges between their rooms."""
     stairs = [
         {
@@ -142,7 +176,7 @@ def _pose(at_m: FloatArray, ahead_m: FloatArray) -> dict[str, float]:
     return {"x": round(x, 4), "y": round(y, 4), "yaw": _radians(yaw_deg)}
 
 
-def _rooms(house: House, reach: _Reach) -> dict[str, Any]:
+def _rooms(house: House, reach: Reach) -> dict[str, Any]:
     doors = [*_doors(house), *_open_edges(house)]
     front = entrance(house.graph)
     return {
@@ -155,7 +189,7 @@ def _rooms(house: House, reach: _Reach) -> dict[str, Any]:
 
 
 def _room(
-    room: Room, house: House, reach: _Reach, doors: list[dict[str, Any]]
+    room: Room, house: House, reach: Reach, doors: list[dict[str, Any]]
 ) -> dict[str, Any]:  # fmt: skip
     return {
         "id": room.id,
@@ -205,7 +239,7 @@ def _radians(yaw_deg: float) -> float:
 # Poses --------------------------------------------------------------------------------------------
 
 
-def _spawns(house: House, grid: Grid, reach: _Reach) -> dict[str, Any]:
+def _spawns(house: House, grid: Grid, reach: Reach) -> dict[str, Any]:
     free = grid.image == FREE
     return {
         "frame": "map",
