@@ -3,18 +3,19 @@
 Between rooms there is a wall with a door in it, or an opening with jambs. Where most of what parts
 two floors is neither wall nor door, one of them is unsure and has no name, and that border is much
 of its rim, the border is the edge of a table, a bed or a rug. A floor that a piece of furniture
-covers and no door leads to is that piece, and one that a bath or a shower covers is the niche of
-the bathroom it opens into.
+covers and no door leads to is that piece, one as narrow as a worktop on which a sink or a hob is
+drawn is that worktop, and one that a bath or a shower covers is the niche of the bathroom beside,
+which a toilet or a basin tells, or else of the room it opens into.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import cv2
 import numpy as np
 import shapely
-from shapely.geometry import Polygon
+from shapely.geometry import Point, Polygon
 
 from chord_usd.base.scene.geometry import footprint_polygon
 from chord_usd.base.scene.types import BoolArray, FloatArray, Item, PixelFrame
@@ -34,11 +35,15 @@ _REACH = 2.0
 
 _FURNITURE = frozenset(("bed", "sofa", "single_sofa", "dining_table", "table", "coffee_table"))
 _NICHES = frozenset(("bathtub", "shower"))
+_ON_WORKTOPS = frozenset(("sink_cabinet", "cooker_cabinet"))
 _COVERED, _WITHIN = 0.55, 0.65
 """Least share of a floor that is a piece, or its niche, that the piece covers; and of the piece
 that lies on it."""
-_NICHE_OPEN = 0.5
-"""Least share of a niche's border with its bathroom that is no wall."""
+_NICHE_OPEN, _WET_OPEN = 0.5, 0.2
+"""Least share of a niche's border that is no wall: with any room, and with a bathroom."""
+_WET = frozenset(("toilet", "washbasin"))
+_WORKTOP_M, _REST = 0.75, 0.05
+"""A floor is a worktop if no more than this share of it is left of what is wider."""
 
 Borders = Mapping[tuple[int, int], FloatArray]
 
@@ -62,34 +67,57 @@ def without_false_borders(reading: SeenReading, named: Sequence[bool]) -> SeenRe
 def without_pieces(
     reading: SeenReading, named: Sequence[bool], pieces: Sequence[Item], frame: PixelFrame
 ) -> SeenReading:
-    """A reading without floors that are furniture, baths or showers.
+    """A reading without floors that are furniture, worktops, baths or showers.
 
     named: whether each room has a name. pieces: what is drawn, metres. frame: of the reading."""
+    floors = [Polygon(m_from_px(polygon, frame)).buffer(0) for polygon in reading.polygons_px]
+    unnamed = [room for room, is_named in enumerate(named) if not is_named]
+    wet = {room for room, floor in enumerate(floors) if _holds(floor, pieces, _WET)}
     borders: Borders = {}
     pairs = []
-    for room, polygon in enumerate(reading.polygons_px):
-        floor = Polygon(m_from_px(polygon, frame)).buffer(0)
-        for names, least_open in ((_FURNITURE, 0.0), (_NICHES, _NICHE_OPEN)):
-            own = [footprint_polygon(one.box) for one in pieces if one.category in names]
-            drawn = shapely.union_all(own)
-            covered = drawn.intersection(floor).area
-            touched = sum(one.area for one in own if one.intersects(floor))
-            is_piece = covered >= _COVERED * floor.area and covered >= _WITHIN * touched
-            if named[room] or not is_piece:
-                continue
-            borders = borders or _borders(reading)
-            pairs += _widest(room, borders, least_open)
+    for room in unnamed:
+        is_niche = _is_covered(floors[room], pieces, _NICHES)
+        if not (is_niche or _is_covered(floors[room], pieces, _FURNITURE)
+                or _is_worktop(floors[room], pieces)):  # fmt: skip
+            continue
+        borders = borders or _borders(reading)
+        own = {pair: sums for pair, sums in borders.items() if room in pair}
+        of_bathroom = {pair: sums for pair, sums in own.items() if wet.intersection(pair) - {room}}
+        if is_niche:
+            joined = _widest(own, of_bathroom, _WET_OPEN) or _widest(own, own, _NICHE_OPEN)
+        else:
+            joined = _widest(own, own, 0.0)
+        pairs += joined
     return _joined(reading, pairs)
 
 
-def _widest(room: int, borders: Borders, least_open: float) -> list[tuple[int, int]]:
-    """The pair of a room and the one that most of its rim lies at, or opens into if it has to; none
-    for a room with a door."""
-    own = {pair: sums for pair, sums in borders.items() if room in pair}
+def _holds(floor: Polygon, pieces: Sequence[Item], names: Collection[str]) -> bool:
+    """Whether the middle of such a piece is drawn on a floor."""
+    spots = (Point(one.box.center_m[:2]) for one in pieces if one.category in names)
+    return any(floor.covers(spot) for spot in spots)
+
+
+def _is_covered(floor: Polygon, pieces: Sequence[Item], names: Collection[str]) -> bool:
+    """Whether a floor is such pieces, and most of these lies on it."""
+    own = [footprint_polygon(one.box) for one in pieces if one.category in names]
+    covered = shapely.union_all(own).intersection(floor).area
+    touched = sum(one.area for one in own if one.intersects(floor))
+    return bool(covered >= _COVERED * floor.area and covered >= _WITHIN * touched)
+
+
+def _is_worktop(floor: Polygon, pieces: Sequence[Item]) -> bool:
+    """Whether a floor is as narrow as a worktop, and holds a sink or a hob."""
+    wider = floor.buffer(-_WORKTOP_M / 2).buffer(_WORKTOP_M / 2)
+    return wider.area <= _REST * floor.area and _holds(floor, pieces, _ON_WORKTOPS)
+
+
+def _widest(own: Borders, among: Borders, least_open: float) -> list[tuple[int, int]]:
+    """Of the borders of a room the pair where most of its rim lies, or is no wall if it has to be
+    open; none for a room with a door. among: those to choose from."""
     doors, rim = (sum(float(sums[at]) for sums in own.values()) for at in (2, 0))
     sizes = {
         pair: float(sums[1] if least_open else sums[0])
-        for pair, sums in own.items()
+        for pair, sums in among.items()
         if sums[1] >= least_open * sums[0]
     }
     return [max(sizes, key=lambda pair: sizes[pair])] if sizes and doors <= _DOOR * rim else []

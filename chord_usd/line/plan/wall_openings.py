@@ -57,8 +57,9 @@ _LEAST_LENGTH = 1.6
 _LEAST_SIGN = {DOOR: 0.12, WINDOW: 0.25, PASSAGE: 0.12}
 """Of 22 windows with less than 0.4 on 40 held-out pages 3 were right."""
 
-_IS_FLOOR = 0.5
-"""A hole between rooms without any sign of a door is a passage if floor runs through it."""
+_IS_FLOOR, _PASSAGE_DEEP = 0.5, 2.0
+"""A hole between rooms without any sign of a door is a passage if floor runs through it, and no
+wardrobe if it is no deeper than so many usual walls are thick."""
 
 _JOINED_PX, _JOINED = 2.5, 0.35
 """Pieces of one window that are no farther apart are one; of a door, as a share of a thickness. Two
@@ -109,6 +110,10 @@ class Wall:
     depth: float
     other: _Edge | None
 
+    def is_deep(self, thickness_px: float) -> bool:
+        """Whether wardrobes rather than a way may be in it. thickness_px: of the usual wall."""
+        return self.depth > _PASSAGE_DEEP * thickness_px
+
 
 def find_openings(
     polygons_px: Sequence[FloatArray], segments: Segments, thickness_px: float
@@ -119,7 +124,7 @@ def find_openings(
     """
     found: list[WallOpening] = []
     for wall in walls_between(polygons_px, segments, thickness_px):
-        found += _in_wall(wall, segments, _LEAST_LENGTH * thickness_px)
+        found += _in_wall(wall, segments, thickness_px)
     return _joined(found, thickness_px)
 
 
@@ -219,8 +224,10 @@ def profile_of(wall: Wall, segments: Segments) -> FloatArray:
     return np.asarray(profile / profile.sum(axis=0))
 
 
-def _in_wall(wall: Wall, segments: Segments, least_px: float) -> Iterator[WallOpening]:
-    """The openings of a wall."""
+def _in_wall(wall: Wall, segments: Segments, thickness_px: float) -> Iterator[WallOpening]:
+    """The openings of a wall. thickness_px: of the usual wall."""
+    least_px = _LEAST_LENGTH * thickness_px
+    may_run_on = wall.other is not None and not wall.is_deep(thickness_px)
     along = np.arange(wall.low + 0.5, wall.high, 1.0)
     profile = profile_of(wall, segments)
     is_open = profile[WALL] < _IS_WALL
@@ -229,7 +236,7 @@ def _in_wall(wall: Wall, segments: Segments, least_px: float) -> Iterator[WallOp
         for start, stop, label in _by_kind(part, least_px):
             sign = float(part[label, start:stop].mean())
             is_told = sign >= _LEAST_SIGN[label]
-            runs_on = wall.other is not None and part[FLOOR, start:stop].mean() >= _IS_FLOOR
+            runs_on = may_run_on and part[FLOOR, start:stop].mean() >= _IS_FLOOR
             if stop - start < least_px or not (is_told or runs_on):
                 continue
             kind = _KINDS[label] if is_told else "passage"

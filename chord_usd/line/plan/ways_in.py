@@ -36,6 +36,7 @@ _LEAST_SIGN = 0.12
 _BEFORE_M = 0.6
 """Before a guessed door nothing is drawn so near, where another place in its wall will do."""
 _TOUCHED_M2 = 0.02
+_SHUT = {"bedroom", "unknown", *WET_KINDS}
 _PASSED = (DOOR, PASSAGE, FLOOR, STAIRS)
 _TOUCH_PX = 1.0
 _SURE = 0.5
@@ -112,7 +113,8 @@ def _ways(reading: SeenReading, m_per_px: float, drawn_px: Sequence[Polygon]) ->
     thickness_px = reading.regions.thickness_px
     length, before = round(USUAL_DOOR_M / m_per_px), _BEFORE_M / m_per_px
     for wall in walls_between(reading.polygons_px, reading.segments, thickness_px):
-        if wall.other is None or wall.high - wall.low < length:
+        is_short = wall.high - wall.low < length
+        if wall.other is None or is_short or wall.is_deep(thickness_px):
             continue
         passed = profile_of(wall, reading.segments)[list(_PASSED)].sum(axis=0)
         means = np.convolve(passed, np.full(length, 1.0 / length), "valid")
@@ -212,9 +214,9 @@ def _is_cut_off(polygon_px: FloatArray, reading: SeenReading) -> bool:
 
 
 def with_rooms_shut(openings: Sequence[Opening], rooms: Sequence[Room]) -> tuple[Opening, ...]:
-    """The openings without unsure passages into bedrooms and wet rooms, which people shut: such a
-    passage is a door if the room has no other way, and else wall."""
-    shut = {room.id for room in rooms if room.kind == "bedroom" or room.kind in WET_KINDS}
+    """The openings without unsure passages into bedrooms, wet rooms and rooms of unknown kind, which
+    people shut: such a passage is a door if the room has no other way, and else wall."""
+    shut = {room.id for room in rooms if room.kind in _SHUT}
     number_of = {room.id: number for number, room in enumerate(rooms)}
 
     def is_doubtful(one: Opening) -> bool:
