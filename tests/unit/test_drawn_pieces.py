@@ -91,6 +91,18 @@ def test_what_cannot_stand_is_left_out_with_the_reason(kind: str, drawn: Item, r
     assert one.reason == reason
 
 
+@pytest.mark.parametrize(("name", "size", "stands"), [
+    ("bed", (1.4, 2.0), True), ("single_sofa", (0.8, 0.8), False),
+])  # fmt: skip
+def test_a_piece_is_moved_by_a_quarter_of_its_size(name: str, size: tuple, stands: bool) -> None:
+    """A studio's bed was drawn near the door of its balcony, and left out."""
+    left = DOOR.box.center_m[0] - DOOR.box.size_m[0] / 2 + 0.33 - size[0] / 2
+    room = replace(plan("bedroom" if stands else "living").rooms[0])
+    drawn = piece(name, left, 0.1 + size[1] / 2, size, 180.0)
+    (one,) = placed_pieces(Plan((room,), (DOOR,), {DRAWN: to_entry([drawn])}))
+    assert (one.item is not None) is stands
+
+
 def test_of_two_in_one_place_the_surer_one_stays_and_the_other_moves_or_goes() -> None:
     near = piece("toilet", 1.0, 2.65, (0.4, 0.65), 0.0, 0.5)
     tub = piece("bathtub", 1.95, 2.6, (1.7, 0.75), 0.0, 0.9)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from true_segments import segments_of
@@ -82,3 +84,27 @@ def test_a_floor_that_a_piece_covers_is_no_room(category, size_px, between, room
     piece = drawn(category, size_px, seen)
     assert len(without_pieces(seen, [False] * 3, [piece], seen.frame).outlines) == rooms
     assert without_pieces(seen, [True] * 3, [piece], seen.frame) is seen
+
+
+def test_a_niche_is_of_the_bathroom_that_its_toilet_tells() -> None:
+    """A bath with two fifths of its rim seen as wall was a bathroom by itself."""
+    labels = two_floors(WALL)
+    labels[140:150, 380:408] = PASSAGE
+    seen = reading(labels, 0.9)
+    tub = drawn("bathtub", (80, 60), seen)
+    assert without_pieces(seen, [False] * 3, [tub], seen.frame) is seen
+    x, y = m_from_px(np.array([[200.0, 200.0]]), seen.frame)[0].tolist()
+    toilet = Item("", "toilet", Box((x, y, 0.0), (0.4, 0.6, 0.8), 0.0))
+    assert len(without_pieces(seen, [False] * 3, [tub, toilet], seen.frame).outlines) == 2
+
+
+@pytest.mark.parametrize(("width_px", "rooms"), [(32, 2), (80, 3)], ids=["worktop", "kitchen"])
+def test_a_floor_as_narrow_as_a_worktop_with_a_sink_is_one(width_px: int, rooms: int) -> None:
+    """The counter of a kitchen was a toilet."""
+    labels = two_floors(WALL)
+    labels[60 : 140 - width_px, 380:460] = WALL
+    seen = reading(labels, 0.9)
+    sink = drawn("sink_cabinet", (30, 20), seen)
+    y = sink.box.center_m[1] - (40 - width_px / 2) * M_PER_PX
+    sink = replace(sink, box=replace(sink.box, center_m=(sink.box.center_m[0], y, 0.0)))
+    assert len(without_pieces(seen, [False] * 3, [sink], seen.frame).outlines) == rooms

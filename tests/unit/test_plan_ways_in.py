@@ -15,7 +15,12 @@ from chord_usd.line.plan.openings import GUESSED
 from chord_usd.line.plan.seen import SeenReading, read_seen
 from chord_usd.line.plan.segment import Segments
 from chord_usd.line.plan.verdict import symptoms_of
-from chord_usd.line.plan.ways_in import with_rooms_shut, with_ways_in, without_scraps
+from chord_usd.line.plan.ways_in import (
+    with_rooms_shut,
+    with_ways_in,
+    without_doors_onto_baths,
+    without_scraps,
+)
 
 M_PER_PX = 0.02
 PLACE = (slice(258, 272), slice(100, 140))
@@ -106,6 +111,28 @@ def test_an_outer_door_leads_onto_the_floor_that_its_swing_cut() -> None:
     assert below.area == pytest.approx(Polygon(seen.polygons_px[door.rooms[1][0]]).area, rel=0.03)
 
 
+def test_no_door_leads_onto_a_bath() -> None:
+    """The rim of a shower tray was a door into the bedroom."""
+    labels = two_rooms()
+    labels[PLACE] = DOOR
+    seen = read_seen(segments_of(labels), M_PER_PX)
+    for top, left in ((275, 1), (330, 2)):
+        tray = shapely.box(90, top, 140, top + 50)
+        kept = without_doors_onto_baths(seen, M_PER_PX, [tray]).openings
+        assert sum(o.kind == "door" for o in kept) == left
+
+
+@pytest.mark.parametrize(("deep_px", "count"), [(18, 1), (34, 0)], ids=["passage", "wardrobes"])
+def test_a_hole_as_deep_as_wardrobes_is_no_passage(deep_px: int, count: int) -> None:
+    """Two bedrooms were one through the wardrobes between them."""
+    labels = two_rooms()
+    labels[270 : 260 + deep_px, 60:460] = WALL
+    labels[260 : 260 + deep_px, 100:200] = FLOOR
+    labels[262:266, 100:200] = labels[260 + deep_px - 6 : 260 + deep_px - 2, 100:200] = WALL
+    seen = read_seen(segments_of(labels), M_PER_PX)
+    assert sum(len(o.rooms) == 2 for o in seen.openings) == count
+
+
 def test_guessed_doors_change_no_verdict() -> None:
     rooms = tuple(
         Room(f"r{x}", "living", frozen_array([(x, 0), (x + 3, 0), (x + 3, 3), (x, 3)]))
@@ -153,6 +180,7 @@ def opening(name: str, kind: OpeningKind, sure: float, *rooms: str) -> Opening:
     [
         ("bathroom", 0.3, True, None),
         ("bedroom", 0.3, True, None),
+        ("unknown", 0.3, False, "door"),
         ("bathroom", 0.3, False, "door"),
         ("bathroom", 0.8, True, "passage"),
         ("dining", 0.3, True, "passage"),

@@ -36,8 +36,8 @@ _BACK_M, _SIDE_M = 0.3, 0.15
 _SQUARE_DEG, _WALLED_DEG = 30.0, 45.0
 """A piece that is askew by less is square to its room; plumbing and cabinets always are."""
 _STEP_M = 0.025
-"""A piece is moved in such steps to stand clear, along each axis by up to a quarter of a metre or,
-if that is more, of its longer side."""
+"""A piece is moved in such steps to stand clear: by up to a quarter of a metre or, along its back,
+of its longer side."""
 _REACH_M, _REACH = 0.25, 0.25
 _GRID_M = np.stack(np.meshgrid(*[np.arange(-20, 21) * _STEP_M] * 2), axis=-1).reshape(-1, 2)
 _OFF_WALL = 4.0
@@ -272,7 +272,8 @@ def _steps(box: Box) -> Iterator[Box]:
     """The box moved along each of its axes, the nearest first."""
     turn = rotation_2d(box.yaw_deg)
     x, y, z = box.center_m
-    reach_m = max(_REACH_M, _REACH * max(box.size_m[:2])) + _STEP_M / 2
-    for by in _STEPS_M[(np.abs(_STEPS_M) <= reach_m).all(axis=1)]:
+    along_m = max(_REACH_M, _REACH * max(box.size_m[:2]))
+    is_near = np.abs(_STEPS_M) <= np.array([along_m, _REACH_M]) + _STEP_M / 2
+    for by in _STEPS_M[is_near.all(axis=1)]:
         u, v = (turn @ by).tolist()
         yield replace(box, center_m=(x + u, y + v, z))

@@ -66,6 +66,17 @@ def parted(placed: Iterable[Placed]) -> tuple[tuple[Item, ...], tuple[Item, ...]
     )
 
 
+def hindering_left_out(placed: Iterable[Placed], locked: Iterable[Item]) -> list[Placed]:
+    """Placed pieces with the reason for those that were to be locked, and are no longer."""
+    kept = {item.id for item in locked}
+    return [
+        replace(one, item=None, reason="the room cannot be furnished round it")
+        if one.item is not None and one.item.category not in KITCHEN and one.item.id not in kept
+        else one
+        for one in placed
+    ]
+
+
 def with_locked(house: SceneGraph, locked: Iterable[Item], *, aside: bool) -> SceneGraph:
     """The house with locked pieces of its rooms, in place of what stands for them.
 

@@ -8,11 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from chord_usd.base.errors import ChordError
-from chord_usd.base.scene.types import (
-    Item,
-    Room,
-    SceneGraph,
-)
+from chord_usd.base.scene.palette import having
+from chord_usd.base.scene.types import Item, Room, SceneGraph
 from chord_usd.line.pipeline.as_drawn import with_locked
 
 if TYPE_CHECKING:
@@ -32,6 +29,9 @@ LITTLE_EFFORT = 4
 
 WISH_DRAWS = 3
 """So often a room that lacks a piece that was wished for is drawn again."""
+
+_SURE_DRAWN = 0.7
+"""Score from which on drawn furniture stays, whatever it costs."""
 
 _WISHED = 1.0
 """What a wish that is not granted weighs, beside what metrics.violations.room_faults weighs."""
@@ -109,6 +109,28 @@ class Draw:
             return found.get(room.id, ())
 
         return put_back(finish(drawn), listed, asked, decided, finish, compose=compose)
+
+    def freed(self, listed: SceneGraph) -> tuple[Draw, SceneGraph]:
+        """This draw and its lists, without unsure drawn furniture in rooms that are better without.
+
+        What a drawing shows stays; what was seen where nothing is drawn stands before wardrobes.
+        """
+        draw, faults = self, faults_by_room(listed, self)
+        for room in listed.rooms:
+            unsure = {
+                item.id for item in self.locked
+                if item.room_id == room.id and item.score < _SURE_DRAWN
+                and item.category not in having("fixture")
+            }  # fmt: skip
+            if not unsure or room.id not in faults:
+                continue
+            locked = tuple(item for item in draw.locked if item.id not in unsure)
+            freer = replace(draw, locked=locked)
+            bare = listed.without({item.id for item in listed.items_of(room.id)})
+            again = freer.listed(bare, [room])
+            if again and faults_by_room(again, freer).get(room.id, 0.0) < faults[room.id]:
+                draw, listed = freer, again
+        return draw, listed
 
     def _kitchens(
         self, house: SceneGraph, rooms: Sequence[Room], asked: Mapping[str, Asked], effort: int = 0

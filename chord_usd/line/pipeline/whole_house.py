@@ -27,7 +27,7 @@ from chord_usd.base.scene.storeys import Building, Storey, StoreyPlan, one_store
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
 from chord_usd.base.scene.types import LayoutImage, Plan, PlanImage, SceneGraph, StageFile
 from chord_usd.line.pipeline import steps
-from chord_usd.line.pipeline.as_drawn import parted, placed_pieces
+from chord_usd.line.pipeline.as_drawn import hindering_left_out, parted, placed_pieces
 from chord_usd.line.pipeline.loading import Models, load_models, with_networks
 from chord_usd.line.pipeline.redraw import Draw, arrange_drawn
 from chord_usd.line.pipeline.resample import Mended, Resampler, as_listed, mend_rooms
@@ -190,6 +190,9 @@ def furnished(plan: Path, settings: Settings, models: Models) -> SceneGraph:
 def list_pieces(made: FurnishedStorey, _: Progress) -> None:
     """List the pieces of each room, the draft that the painter sees."""
     made.listed = made.draw.listed(made.graph, made.plan.rooms)
+    if made.listed is not None and made.draw.locked:
+        made.draw, made.listed = made.draw.freed(made.listed)
+        made.drawn = hindering_left_out(made.drawn, made.draw.locked)
 
 
 def paint(made: FurnishedStorey, progress: Progress) -> None:

@@ -44,7 +44,7 @@ from chord_usd.line.plan.doubts import (
     named_rooms,
     refuse_nonsense,
 )
-from chord_usd.line.plan.false_borders import without_false_borders, without_pieces
+from chord_usd.line.plan.false_borders import NICHES, without_false_borders, without_pieces
 from chord_usd.line.plan.fitted import Fit, fit
 from chord_usd.line.plan.floor_parts import part_floors, too_small
 from chord_usd.line.plan.home_graph import (
@@ -70,7 +70,12 @@ from chord_usd.line.plan.sheet import Sheet, ink_of, on_white, prepare
 from chord_usd.line.plan.storey_titles import titled
 from chord_usd.line.plan.text import Text, read_texts, warm_up
 from chord_usd.line.plan.verdict import JOINED
-from chord_usd.line.plan.ways_in import with_rooms_shut, with_ways_in, without_scraps
+from chord_usd.line.plan.ways_in import (
+    with_rooms_shut,
+    with_ways_in,
+    without_doors_onto_baths,
+    without_scraps,
+)
 
 _REREAD = math.log(1.1)
 """A scale that turns out so far from the assumed one changes what is a room and what a cupboard."""
@@ -233,7 +238,10 @@ def _read_part(page: _Page) -> _Found:
     found = found_on(page.sheet, scale.m_per_px)
     reading = _without_pieces(reading, page, scale.m_per_px, found)
     reading, shown = _without_lifts(reading, page, scale.m_per_px)
-    reading = with_ways_in(reading, scale.m_per_px, _drawn_px(found, reading, page, scale))
+    drawn_px = _drawn_px(found, reading, page, scale.m_per_px)
+    baths_px = [outline for name, outline in drawn_px if name in NICHES]
+    reading = without_doors_onto_baths(reading, scale.m_per_px, baths_px)
+    reading = with_ways_in(reading, scale.m_per_px, [outline for _, outline in drawn_px])
     fitted = _fitted(reading, page, scale) if scale.is_printed else None
     if fitted is not None:
         reading, scale = reading.with_fit(fitted), replace(scale, m_per_px=fitted.m_per_px)
@@ -330,12 +338,12 @@ def _without_pieces(
 
 
 def _drawn_px(
-    found: Sequence[SeenPiece], reading: SeenReading, page: _Page, scale: Scale
-) -> list[Polygon]:
-    """Footprints of the surely drawn pieces, in pixels of the working picture."""
-    frame = replace(reading.frame, m_per_px=scale.m_per_px)
+    found: Sequence[SeenPiece], reading: SeenReading, page: _Page, m_per_px: float
+) -> list[tuple[str, Polygon]]:
+    """Category and footprint, in pixels of the working picture, of the surely drawn pieces."""
+    frame = replace(reading.frame, m_per_px=m_per_px)
     pieces = pieces_within(found, reading, page.sheet, frame)
-    return [Polygon(px_from_m(footprint(one.box), frame)) for one in pieces]
+    return [(one.category, Polygon(px_from_m(footprint(one.box), frame))) for one in pieces]
 
 
 def _without_lifts(

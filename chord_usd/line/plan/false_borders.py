@@ -34,7 +34,8 @@ _REACH = 2.0
 """What parts two floors is filled up to so many thicknesses of a wall."""
 
 _FURNITURE = frozenset(("bed", "sofa", "single_sofa", "dining_table", "table", "coffee_table"))
-_NICHES = frozenset(("bathtub", "shower"))
+NICHES = frozenset(("bathtub", "shower"))
+"""Categories that take up all of their niches, onto which no door leads."""
 _ON_WORKTOPS = frozenset(("sink_cabinet", "cooker_cabinet"))
 _COVERED, _WITHIN = 0.55, 0.65
 """Least share of a floor that is a piece, or its niche, that the piece covers; and of the piece
@@ -76,7 +77,7 @@ def without_pieces(
     borders: Borders = {}
     pairs = []
     for room in unnamed:
-        is_niche = _is_covered(floors[room], pieces, _NICHES)
+        is_niche = _is_covered(floors[room], pieces, NICHES)
         if not (is_niche or _is_covered(floors[room], pieces, _FURNITURE)
                 or _is_worktop(floors[room], pieces)):  # fmt: skip
             continue

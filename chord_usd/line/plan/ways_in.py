@@ -36,6 +36,8 @@ _LEAST_SIGN = 0.12
 _BEFORE_M = 0.6
 """Before a guessed door nothing is drawn so near, where another place in its wall will do."""
 _TOUCHED_M2 = 0.02
+_STEPPED_M, _ONTO = 0.3, 0.7
+"""A door leads onto a bath that covers such a share of its floor, so deep."""
 _SHUT = {"bedroom", "unknown", *WET_KINDS}
 _PASSED = (DOOR, PASSAGE, FLOOR, STAIRS)
 _TOUCH_PX = 1.0
@@ -87,6 +89,27 @@ def with_ways_in(
             if way.floor_px is not None:
                 outlines[beyond] = replace(outlines[beyond], polygon_px=way.floor_px)
     return replace(reading, openings=openings, outlines=outlines)
+
+
+def without_doors_onto_baths(
+    reading: SeenReading, m_per_px: float, baths_px: Sequence[Polygon]
+) -> SeenReading:
+    """A reading without inner doors and passages that lead onto a drawn bath or shower, whose rim
+    looks like a leaf. baths_px: their footprints."""
+    baths = shapely.union_all(baths_px)
+    before = _STEPPED_M / m_per_px
+
+    def is_onto_bath(one: WallOpening) -> bool:
+        span, deep = (-one.length_px / 2, one.length_px / 2), one.depth_px / 2
+        steps = [_strip(one.center_px, one.along, -outward, span, (deep, deep + before))
+                 for _, outward in one.rooms]  # fmt: skip
+        return any(baths.intersection(step).area >= _ONTO * step.area for step in steps)
+
+    kept = [
+        one for one in reading.openings
+        if one.kind == "window" or len(one.rooms) < 2 or not is_onto_bath(one)
+    ]  # fmt: skip
+    return replace(reading, openings=kept)
 
 
 def _groups(reading: SeenReading, least_px: float, least_sure: float = 0.0) -> list[list[int]]:
@@ -214,7 +237,7 @@ def _is_cut_off(polygon_px: FloatArray, reading: SeenReading) -> bool:
 
 
 def with_rooms_shut(openings: Sequence[Opening], rooms: Sequence[Room]) -> tuple[Opening, ...]:
-    """The openings without unsure passages into bedrooms, wet rooms and rooms of unknown kind, which
+    """The openings without unsure passages into bedrooms, wet rooms and what may be such, which
     people shut: such a passage is a door if the room has no other way, and else wall."""
     shut = {room.id for room in rooms if room.kind in _SHUT}
     number_of = {room.id: number for number, room in enumerate(rooms)}
