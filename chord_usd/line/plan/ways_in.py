@@ -36,7 +36,7 @@ _LEAST_SIGN = 0.12
 _BEFORE_M = 0.6
 """Before a guessed door nothing is drawn so near, where another place in its wall will do."""
 _TOUCHED_M2 = 0.02
-_STEPPED_M, _ONTO = 0.3, 0.7
+_STEPPED_M, _ONTO = 0.5, 0.6
 """A door leads onto a bath that covers such a share of its floor, so deep."""
 _SHUT = {"bedroom", "unknown", *WET_KINDS}
 _PASSED = (DOOR, PASSAGE, FLOOR, STAIRS)
