@@ -337,3 +337,27 @@ def test_of_two_pieces_that_shut_a_house_one_after_another_both_go() -> None:
     house = SceneGraph(rooms, doors, items)
     assert walk(house).shut
     assert not walk(arrange_drawn(house, Draw())).shut
+
+
+@pytest.mark.parametrize(("score", "category", "stays"), [
+    (0.4, "cabinet", False), (0.9, "cabinet", True), (0.4, "washing_machine", True),
+])  # fmt: skip
+def test_unsure_drawn_furniture_that_hinders_is_left_out(
+    sound_house: SceneGraph, score: float, category: str, stays: bool
+) -> None:
+    """A wardrobe was seen before the bed, and neither opened."""
+    bed = next(item for item in sound_house.items if item.category == "bed")
+    room = sound_house.plan.room(bed.room_id)
+    own = tuple(sound_house.items_of(room.id))
+    lists = Lists(*pieces_of(own, frame_of(room)))
+    seen = replace(bed, id="drawn", category=category, score=score).found(locked=True)
+    draw = Draw(7, lists=lists, locked=(seen,))  # type: ignore[arg-type]
+    listed = draw.listed(sound_house, [room])
+    assert listed is not None
+    freer, made = draw.freed(listed)
+    assert (freer.locked == (seen,)) is stays
+    if not stays:
+        assert not faults_by_room(made)
+        assert [i.id for i in made.items if i.room_id != room.id] == [
+            i.id for i in sound_house.items if i.room_id != room.id
+        ]
