@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 FilePath = str | PathLike[str]
 Quality = Literal["draft", "good", "final"]
-Package = Literal["web", "ar", "gltf", "ifc", "dxf", "ros", "robot", "mujoco", "materialx"]
+Package = Literal["web", "ar", "gltf", "ifc", "dxf", "ros", "robot", "mujoco", "urdf", "materialx"]
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ PACKAGES = {
     "ros": "a folder with an occupancy grid, rooms, doors and free poses for robots",
     "robot": "a .json of what opens and its handles, supports, things to grasp, poses, tasks",
     "mujoco": "a folder with an MJCF model, its meshes and textures",
+    "urdf": "a folder with a URDF model and its meshes",
     "blend": "a file of Blender with its pictures in it",
     "materialx": "a folder with the house, its materials in MaterialX, too",
 }

@@ -43,11 +43,15 @@ def write_mjcf(stage: Usd.Stage, folder: Path) -> None:
     Names of bodies, joints, geoms, lights and cameras are paths with dots. Raises StageError for a
     stage with nothing in it.
     """
-    writer = _Writer(stage, folder)
-    root = writer.model()
+    root = mjcf_of(stage, folder)
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode")
     (folder / MODEL_FILE).write_text(text + "\n", encoding="utf-8")
+
+
+def mjcf_of(stage: Usd.Stage, folder: Path) -> ET.Element:
+    """The model as XML; its meshes and textures are written into the folder. Raises StageError."""
+    return _Writer(stage, folder).model()
 
 
 class _Writer:
