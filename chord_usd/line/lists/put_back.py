@@ -14,11 +14,13 @@ from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.base.metrics.design.price import (
     FAULT,
     broken_share,
+    conflicts,
     home_price,
     quick_price,
     room_prices,
     tight,
 )
+from chord_usd.base.metrics.design.shell import TOUCH_M
 from chord_usd.base.metrics.design.shut_leaves import stuck
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.metrics.rooms import is_to_furnish
@@ -127,7 +129,8 @@ class _Work:
         """Let a room break rules where fewer pieces stand wrongly then, if that costs less: a bath
         in place of a shower before a window."""
         view = self.home.rooms[at]
-        if tight(view) and self._permits_of(at).most:
+        is_wrong = (conflicts(view) > TOUCH_M).any() or stuck(view).any()
+        if is_wrong and self._permits_of(at).most:
             self.change(at, map(_fewer_wrong, changes_of(view)), -_EMPTY, mends=True)
 
     def furnish_empty(self, rooms: Collection[str]) -> None:
