@@ -46,7 +46,7 @@ from chord_usd.line.layout.schedule import (
 
 RGB_CHANNELS = 3
 
-DRAFTED_SHARE = 0.2
+DRAFTED_SHARE = 0.1
 """Share of the walk's steps that are taken where a draft says what a house holds."""
 MOSTLY = 0.99
 """Of the floor, to count as all of it: outlines are rounded to pixels."""
