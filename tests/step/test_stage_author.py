@@ -236,14 +236,19 @@ def test_cameras_stand_in_their_rooms_clear_of_furniture(
         assert 0.199 <= camera.focalLength <= 0.281  # tenths of a metre: 20 to 28 mm
 
 
-def test_the_top_camera_sees_the_whole_house(stage: Usd.Stage) -> None:
-    camera = UsdGeom.Camera(stage.GetPrimAtPath("/House/Cameras/Top")).GetCamera()
-    assert camera.projection == Gf.Camera.Perspective
-    hint = UsdGeom.ModelAPI(stage.GetDefaultPrim()).GetExtentsHint()
-    frustum = camera.frustum
-    for x in (hint[0][0], hint[1][0]):
-        for y in (hint[0][1], hint[1][1]):
-            assert frustum.Intersects(Gf.Vec3d(x, y, hint[1][2]))
+def test_the_top_camera_sees_the_whole_house_as_a_plan(stage: Usd.Stage) -> None:
+    prim = stage.GetPrimAtPath("/House/Cameras/Top")
+    camera = UsdGeom.Camera(prim).GetCamera()
+    assert camera.projection == Gf.Camera.Orthographic
+    assert prim.GetAttribute("chord:cut_m").Get() == pytest.approx(1.2)
+    assert np.allclose(camera.transform.ExtractRotationMatrix(), np.eye(3))
+    low, high = UsdGeom.ModelAPI(stage.GetDefaultPrim()).GetExtentsHint()
+    for x in (low[0], high[0]):
+        for y in (low[1], high[1]):
+            assert camera.frustum.Intersects(Gf.Vec3d(x, y, high[2]))
+    seen_m = camera.frustum.window.GetSize()
+    filled = max((high[0] - low[0]) / seen_m[0], (high[1] - low[1]) / seen_m[1])
+    assert filled > 0.9
 
 
 # --- openings -----------------------------------------------------------------------------------

@@ -161,6 +161,15 @@ def polygons_of(area: BaseGeometry) -> list[Polygon]:
     return []
 
 
+def free_spot(floor: Polygon, taken: Iterable[Polygon]) -> tuple[float, float]:
+    """The point of a floor furthest from its walls and from what takes it up, metres."""
+    from shapely.ops import polylabel
+
+    parts = polygons_of(floor.difference(unary_union([*taken]))) or [floor]
+    point = polylabel(max(parts, key=lambda part: part.area), tolerance=0.05)
+    return point.x, point.y
+
+
 def is_axis_aligned(plan: Plan, tolerance_m: float = 0.005) -> bool:
     """Whether every wall runs along x or y, to within tolerance_m over its length."""
     for room in plan.rooms:

@@ -92,6 +92,10 @@ def add_look(group: Options) -> None:
         help="some of rgb,depth,normal,instance,semantic,layers (rgb)",
     )  # fmt: skip
     group.add_argument(
+        "--room-names", action="store_true",
+        help="write names and areas of rooms on pictures from straight above (Top)",
+    )  # fmt: skip
+    group.add_argument(
         "--label-set", choices=LABEL_SETS, default=OWN,
         help="whose names and ids coco.json of the instance pass has (chord: our own)",
     )  # fmt: skip
@@ -127,6 +131,7 @@ def look_of(options: argparse.Namespace) -> dict[str, Any]:
         "denoiser": options.denoiser,
         "passes": options.passes,
         "label_set": options.label_set,
+        "room_names": options.room_names,
         "lighting": options.lighting,
         "sky": options.sky,
     }
@@ -230,7 +235,8 @@ def words_of(options: argparse.Namespace) -> list[str]:
         "--turntable": options.turntable,
         "--frames": options.frames if options.turntable else None,
     }
-    return [str(word) for pair in words.items() for word in pair if pair[1] not in (None, "")]
+    given = [str(word) for pair in words.items() for word in pair if pair[1] not in (None, "")]
+    return [*given, "--room-names"] if options.room_names else given
 
 
 def named_files(options: argparse.Namespace) -> dict[str, Path]:

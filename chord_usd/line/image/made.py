@@ -92,6 +92,7 @@ def settings_record(options: RenderOptions) -> dict[str, Any]:
         "quality": asdict(options.traced),
         "seed": options.seed,
         "exposure_ev": options.exposure_ev,
+        "room_names": options.room_names,
         "parts": options.merge or options.part is not None,
         "version": __version__,
         "blender": blender_version(),

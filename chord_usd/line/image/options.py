@@ -71,6 +71,8 @@ class RenderOptions:
     """Leave pictures alone that are there already, whole, and made in the same way."""
     allow_missing: bool = False
     """Render plain colours in place of files that the stage lacks, instead of refusing it."""
+    room_names: bool = False
+    """Write names and areas of rooms on pictures from straight above."""
     exposure_ev: float | None = None
     """Exposure in stops for every picture; None meters each one."""
     lighting: str = ""

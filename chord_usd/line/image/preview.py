@@ -18,6 +18,7 @@ from chord_usd.base.runtime.files import write_atomic
 from chord_usd.base.scene.geometry import (
     footprint,
     footprint_polygon,
+    free_spot,
     polygons_of,
     room_polygon,
     to_world,
@@ -30,7 +31,6 @@ from chord_usd.base.scene.types import (
     Item,
     Opening,
     PixelFrame,
-    Room,
     RoomKind,
     SceneGraph,
 )
@@ -315,24 +315,12 @@ def _label_rooms(sheet: Sheet, draw: ImageDraw.ImageDraw, graph: SceneGraph) -> 
         name = room.name or room.kind.capitalize()
         text = f"{name}\n{area_m2:.1f} sq m"
         half_px = text_size(text, 16)[0] / 2 + 4
-        x_px, y_px = sheet.px(_free_spot(room, graph))
+        pieces = [footprint_polygon(item.box) for item in graph.items_of(room.id)]
+        x_px, y_px = sheet.px(np.array(free_spot(room_polygon(room), pieces)))
         corners_px = sheet.px(room.polygon_m)[:, 0]
         if corners_px.max() - corners_px.min() > 2 * half_px:
             x_px = np.clip(x_px, corners_px.min() + half_px, corners_px.max() - half_px)
         _write(draw, np.array([x_px, y_px]), text, 16, halo=ROOM_TINTS[room.kind])
-
-
-def _free_spot(room: Room, graph: SceneGraph) -> FloatArray:
-    """The point of the room furthest from walls and furniture, metres."""
-    from shapely import union_all
-    from shapely.ops import polylabel
-
-    floor = room_polygon(room)
-    taken = union_all([footprint_polygon(item.box) for item in graph.items_of(room.id)])
-    parts = polygons_of(floor.difference(taken)) or [floor]
-    widest = max(parts, key=lambda part: part.area)
-    point = polylabel(widest, tolerance=0.05)
-    return np.array([point.x, point.y])
 
 
 def _write(

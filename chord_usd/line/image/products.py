@@ -30,6 +30,8 @@ from chord_usd.line.image.takes import Take
 if TYPE_CHECKING:
     from PIL import Image
 
+    from chord_usd.line.image.room_labels import RoomLabel
+
 PASSES = ("rgb", "depth", "normal", "instance", "semantic", "layers")
 
 FILES_OF_PASS = {
@@ -58,19 +60,20 @@ def product_files(folder: Path, camera: str, passes: Sequence[str]) -> list[Path
 
 
 def write_products(
-    take: Take, folder: Path, passes: Sequence[str], things: Sequence[Thing], made: dict[str, Any]
-) -> list[Path]:
+    take: Take, folder: Path, passes: Sequence[str], things: Sequence[Thing],
+    made: dict[str, Any], labels: Sequence[RoomLabel] = (),
+) -> list[Path]:  # fmt: skip
     """Write all files of a take at once, and its sidecar; returns them without the sidecar.
 
-    made: what it was made from, noted in sidecar and pictures. Raises OutputError; then none
-    of the files is there.
+    made: what it was made from, noted in sidecar and pictures. labels: written on the picture.
+    Raises OutputError; then none of the files is there.
     """
     targets = product_files(folder, take.view.name, passes)
     with deliver() as delivery:
         ours = partial(_is_product, take.view.name)
         placed = {target.name: delivery.place(target, asked=False, ours=ours) for target in targets}
         notes = {MADE_NOTE: json.dumps(made)}
-        _write_colour(take, placed, notes)
+        _write_colour(take, placed, notes, labels)
         _write_data(take, placed, things, notes)
         _write_layers(take, placed, notes)
         sidecar = _sidecar(take, passes, things, made)
@@ -143,27 +146,35 @@ def read_mask(path: Path) -> MaskArray:
         return np.asarray(picture).astype(np.uint16)
 
 
-def _write_colour(take: Take, placed: dict[str, Path], notes: dict[str, str]) -> None:
+def _write_colour(
+    take: Take, placed: dict[str, Path], notes: dict[str, str], labels: Sequence[RoomLabel]
+) -> None:
     png, exr = (placed.get(name.format(take.view.name)) for name in FILES_OF_PASS["rgb"])
     if png is None or exr is None:
         return
     assert take.picture is not None
     assert take.colour is not None
-    png.write_bytes(with_notes(_on_paper(take.picture), notes))
+    png.write_bytes(with_notes(_on_paper(take, labels), notes))
     write_exr(exr, colour_channels(take.colour), notes, half=True)
 
 
-def _on_paper(picture: Path) -> bytes:
+def _on_paper(take: Take, labels: Sequence[RoomLabel]) -> bytes:
     """A picture with a transparent background laid on paper; others are taken as they are."""
     from PIL import Image
 
-    with Image.open(picture) as image:
+    assert take.picture is not None
+    with Image.open(take.picture) as image:
         image.load()  # a file that was cut short is found out here
         if image.mode != "RGBA":
-            return picture.read_bytes()
+            return take.picture.read_bytes()
         backdrop = Image.new("RGBA", image.size, (*BACKDROP_RGB, 255))
         backdrop.alpha_composite(image)
-    return _png(backdrop.convert("RGB"))
+    paper = backdrop.convert("RGB")
+    if labels:
+        from chord_usd.line.image.room_labels import write_labels
+
+        write_labels(paper, take.view, labels)
+    return _png(paper)
 
 
 def _write_layers(take: Take, placed: dict[str, Path], notes: dict[str, str]) -> None:

@@ -10,8 +10,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.errors import DiskFullError, RenderError
 from chord_usd.base.runtime.files import folder_for_many
@@ -43,6 +44,9 @@ from chord_usd.line.image.stage_cameras import (
     read_views,
 )
 from chord_usd.line.image.takes import Take, read_take
+
+if TYPE_CHECKING:
+    from chord_usd.line.image.room_labels import RoomLabel
 
 _NO_MARKS = Marks((), ())
 
@@ -147,6 +151,15 @@ class _Run:
         self._stage_sha256 = stage_digest(self.stage_files)
         self._made: dict[str, dict[str, Any]] = {}
 
+    @cached_property
+    def labels(self) -> tuple[RoomLabel, ...]:
+        """What is written on pictures from straight above."""
+        if not self.options.room_names:
+            return ()
+        from chord_usd.line.image.room_labels import read_labels
+
+        return read_labels(self.lit)
+
     def made(self, camera: StageCamera) -> dict[str, Any]:
         """What a camera's picture is made from."""
         if camera.name not in self._made:
@@ -173,7 +186,8 @@ class _Run:
         if self.options.part is not None:
             write_part(take, self.folder, self.options.part, made)
         else:
-            write_products(take, self.folder, self.options.passes, marks.things, made)
+            passes = self.options.passes
+            write_products(take, self.folder, passes, marks.things, made, self.labels)
 
 
 @contextmanager

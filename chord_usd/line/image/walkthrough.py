@@ -125,20 +125,21 @@ def _read_house(path: Path) -> _House:
             if not prim.HasAttribute("chord:size_m"):
                 continue
             if not prim.HasAttribute("chord:rooms"):
-                items += _footprint(prim)
+                items += footprint_m(prim)
             elif prim.GetAttribute("chord:category").Get() != "window":
-                doors += _footprint(prim, _DOOR_REACH_M)
+                doors += footprint_m(prim, _DOOR_REACH_M)
     return _House(rooms, doors, items)
 
 
-def _footprint(prim: Usd.Prim, reach_m: float = 0.0) -> list[Polygon]:
-    """Outline of what a prim takes up at walking height, longer by reach_m front and back."""
+def footprint_m(prim: Usd.Prim, reach_m: float = 0.0, floor_m: float = 0.0) -> list[Polygon]:
+    """Outline of what a prim takes up at walking height over a floor, longer by reach_m front and
+    back."""
     from pxr import Gf, Usd, UsdGeom
 
     length, width, _ = prim.GetAttribute("chord:size_m").Get()
     place = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default())
     x, y, z = place.ExtractTranslation()
-    if z > _HEAD_ROOM_M:
+    if z > floor_m + _HEAD_ROOM_M:
         return []
     along = place.TransformDir(Gf.Vec3d(1, 0, 0))
     upright = box(-length / 2, -width / 2 - reach_m, length / 2, width / 2 + reach_m)

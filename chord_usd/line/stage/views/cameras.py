@@ -1,5 +1,5 @@
-"""The cameras of a house: one per room (viewpoints.py chooses where), one straight above it, and
-one that sees all of it cut open, as a model on a table."""
+"""The cameras of a house: one per room (viewpoints.py chooses where), and for each storey one
+straight above and one above a corner, which see it cut open, as a model on a table."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
 from chord_usd.base.scene.geometry import footprint_polygon
-from chord_usd.base.scene.types import ROOM_HEIGHT_M, FloatArray, Item
+from chord_usd.base.scene.types import FloatArray, Item
 from chord_usd.base.scene.units import rotation_2d
 from chord_usd.line.stage.author.names import NamedRoom
 from chord_usd.line.stage.author.prims import Types, attribute, define, note, set_op_order
@@ -42,33 +42,34 @@ higher than the third is in nobody's way."""
 _LARGE_M = 0.4
 """Smaller dressing hides nothing."""
 
-_TOP_LENS_MM = 50.0
 _OUTSIDE_LENS_MM = 28.0
 _MARGIN = 1.06
 
 _ELEVATION_DEG = math.degrees(math.asin(math.tan(math.radians(30.0))))
 """Of an isometric view, 35.26: all three axes are shortened alike."""
 
+_UPRIGHT_DEG = -90.0
+"""Where a view straight down stands to show +y up, as plans do."""
+
 _MANY_ROOMS = 100
 """From more on, few places of each room are tried for its camera."""
 
 _CUT_AT_M = 1.2
-"""Where an isometric view cuts the walls."""
+"""Where views from above cut the walls."""
 
 
 def set_cameras(layer: Sdf.Layer, levels: Sequence[Level]) -> None:
-    """Write /House/Cameras: one per room under the room's name, Top, and Isometric; one of these
-    for each storey where there are several, the lowest's without its name."""
+    """Write /House/Cameras: one per room under the room's name, Top, and Isometric; these two for
+    each storey where there are several, the lowest's without its name."""
     define(layer, "/House/Cameras", "Scope")
     effort = THOROUGH if sum(len(level.rooms) for level in levels) <= _MANY_ROOMS else QUICK
     for level in levels:
         for room in level.rooms:
             if not is_shaft(level, room):
                 _set_room_camera(layer, room, level.walls, level.elevation_m, effort)
-    above = _camera(layer, TOP_CAMERA, _above(levels), Gf.Vec3f(0.0, 0.0, 0.0))
-    _set_lens(above, _TOP_LENS_MM, 0.0, NEAR_M)
     for level in levels:
-        _set_isometric(layer, level)
+        _set_cut_view(layer, TOP_CAMERA, level, _UPRIGHT_DEG, 90.0)
+        _set_cut_view(layer, ISOMETRIC_CAMERA, level, _facing_deg(level.rooms), _ELEVATION_DEG)
 
 
 def _set_room_camera(
@@ -147,20 +148,14 @@ def _write_view(layer: Sdf.Layer, name: str, view: View, floor_m: float = 0.0) -
     _set_lens(camera, view.lens_mm, view.shift_mm, view.near_m)
 
 
-def _above(levels: Sequence[Level]) -> Gf.Vec3d:
-    """Where a camera that looks straight down sees the whole house."""
-    bounds = np.array([level.walls.solid_m.bounds for level in levels])
-    (low_x, low_y), (high_x, high_y) = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
-    reach_x = (high_x - low_x) * _TOP_LENS_MM / SENSOR_MM[0]
-    reach_y = (high_y - low_y) * _TOP_LENS_MM / SENSOR_MM[1]
-    height = levels[-1].elevation_m + ROOM_HEIGHT_M + _MARGIN * max(reach_x, reach_y)
-    return Gf.Vec3d(float(low_x + high_x) / 2, float(low_y + high_y) / 2, float(height))
+def _set_cut_view(
+    layer: Sdf.Layer, kind: str, level: Level, yaw_deg: float, elevation_deg: float
+) -> None:
+    """An orthographic view of a storey from above; `chord:cut_m` says where walls are cut for it.
 
-
-def _set_isometric(layer: Sdf.Layer, level: Level) -> None:
-    """An orthographic view from above a corner; `chord:cut_m` says where walls are cut for it."""
-    yaw_deg = _facing_deg(level.rooms)
-    rise = math.radians(_ELEVATION_DEG)
+    yaw_deg: direction in which it stands, counter-clockwise from +x.
+    """
+    rise = math.radians(elevation_deg)
     towards = np.array([*rotation_2d(yaw_deg)[:, 0] * math.cos(rise), math.sin(rise)])
     right = np.append(rotation_2d(yaw_deg)[:, 1], 0.0)
     up = np.cross(towards, right)
@@ -175,8 +170,8 @@ def _set_isometric(layer: Sdf.Layer, level: Level) -> None:
     wide_m, high_m = (high - low for low, high in spans)
     width_m = _MARGIN * max(wide_m, high_m * SENSOR_MM[0] / SENSOR_MM[1])
     eye = middle + towards * (2.0 * width_m + 10.0) + np.array([0.0, 0.0, level.elevation_m])
-    turn = Gf.Vec3f(90.0 - _ELEVATION_DEG, 0.0, yaw_deg + 90.0)
-    name = f"{ISOMETRIC_CAMERA}_{level.group}" if level.elevation_m else ISOMETRIC_CAMERA
+    turn = Gf.Vec3f(90.0 - elevation_deg, 0.0, yaw_deg + 90.0)
+    name = f"{kind}_{level.group}" if level.elevation_m else kind
     camera = _camera(layer, name, Gf.Vec3d(*eye.tolist()), turn)
     attribute(camera, "projection", Types.Token, "orthographic", uniform=True)
     attribute(camera, "clippingRange", Types.Float2, Gf.Vec2f(NEAR_M, 1000.0))
