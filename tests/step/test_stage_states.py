@@ -152,3 +152,16 @@ def test_clauses_are_read() -> None:
     assert (second.subject, second.state) == ("bedroom 1 lamp", "off")
     with pytest.raises(ChordError, match="characters"):
         read_states("doors: open;" * 1000)
+
+
+def test_an_edit_of_a_room_keeps_its_states(house: Path, tmp_path: Path) -> None:
+    stated(house, "lamps: off; doors: ajar")
+    target = tmp_path / "edited.usda"
+    said = "remove all bedside tables in bedroom 1"
+    assert main(["edit", str(house), said, "--force", "-o", str(target), "-q"]) < 2
+    stage = Usd.Stage.Open(str(target))
+    noted = {
+        str(prim.GetAttribute("chord:state").Get()) for prim in stage.TraverseAll()
+        if prim.HasAttribute("chord:state") and "Bedroom_0" in str(prim.GetPath())
+    }  # fmt: skip
+    assert noted == {"off", "ajar"}

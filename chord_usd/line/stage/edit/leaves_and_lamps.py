@@ -16,14 +16,14 @@ from pxr import Gf, Sdf, Usd, UsdPhysics
 
 from chord_usd.base.runtime.stages import open_layer, room_prims
 from chord_usd.base.scene.articulation import ARTICULATION, JOINTED
-from chord_usd.base.scene.states import LIT, OPENED, USUAL
+from chord_usd.base.scene.states import OPENED, USUAL
 from chord_usd.base.scene.types import FloatArray, Provenance
 from chord_usd.line.stage.author.lighting import LIGHT_ROOTS, variants_of
 from chord_usd.line.stage.author.prims import Types, attribute, note, set_op_order
 from chord_usd.line.stage.check.check_openables import openables
 from chord_usd.line.stage.check.check_rules import NODE_ID
 from chord_usd.line.stage.check.check_scene import CATEGORY, read_storeys
-from chord_usd.line.stage.edit.refurnish import rewrite
+from chord_usd.line.stage.edit.refurnish import give_light, rewrite
 from chord_usd.line.stage.read.leaf_states import STATE
 
 _INTENSITY, _AT = "inputs:intensity", "xformOp:translate"
@@ -142,8 +142,7 @@ def _set_light(layer: Sdf.Layer, light: LightThere, state: str) -> None:
     if state == USUAL:
         return
     brightest = max(_intensities(layer, light.path), default=1.0)
-    attribute(spec, _INTENSITY, Types.Float, brightest if LIT[state] else 0.0)
-    note(spec, state=state)
+    give_light(spec, state, brightest)
 
 
 def _openable(room: Usd.Prim) -> Iterator[Usd.Prim]:

@@ -29,6 +29,7 @@ from chord_usd.base.runtime.stages import (
 )
 from chord_usd.base.scene.articulation import FIXED
 from chord_usd.base.scene.geometry import room_polygon
+from chord_usd.base.scene.states import LIT
 from chord_usd.base.scene.styles import style_named
 from chord_usd.base.scene.types import Item, Provenance, Room, StageFile
 from chord_usd.line.stage.author.attribution import write_attribution
@@ -43,11 +44,12 @@ from chord_usd.line.stage.author.furniture import (
 )
 from chord_usd.line.stage.author.lighting import MOODS, forget, hang_lamps, shine, variants_of
 from chord_usd.line.stage.author.names import NamedRoom, name_items
-from chord_usd.line.stage.author.prims import Types, attribute
+from chord_usd.line.stage.author.prims import Types, attribute, note
 from chord_usd.line.stage.author.stage_levels import STOREY, room_spec
 from chord_usd.line.stage.author.variants import Wardrobe
 from chord_usd.line.stage.edit.staged_house import SEED
 from chord_usd.line.stage.export.packages import Packages, is_copy
+from chord_usd.line.stage.read.leaf_states import STATE
 from chord_usd.line.stage.views.cameras import clear_camera
 
 CHECKPOINT = "chord:checkpoint_hash"
@@ -285,13 +287,24 @@ def _light_lamps(layer: Sdf.Layer, room: Sdf.Path, folders: Sequence[Path]) -> N
     variants = variants_of(house)
     if not scope or not variants:
         return
-    gone = [one.path for one in scope.nameChildren if one.typeName == "SphereLight"]
-    forget(house, gone)
-    for path in gone:
-        del scope.nameChildren[path.name]
+    gone = [one for one in scope.nameChildren if one.typeName == "SphereLight"]
+    given = {one.name: one.attributes[STATE].default for one in gone if STATE in one.attributes}
+    forget(house, [one.path for one in gone])
+    for name in [one.name for one in gone]:
+        del scope.nameChildren[name]
     lamps = hang_lamps(layer, str(room), folders)
+    for lamp in lamps:
+        state = given.get(lamp.path.name)
+        if state is not None:  # a lamp of this name keeps what somebody gave it
+            give_light(layer.GetPrimAtPath(lamp.path), state, lamp.intensity)
     for time, variant in variants.items():
         shine(variant, lamps, MOODS[time])
+
+
+def give_light(light: Sdf.PrimSpec, state: str, intensity: float) -> None:
+    """Say that a light is on or off at every time of day. intensity: fully on."""
+    attribute(light, "inputs:intensity", Types.Float, intensity if LIT[state] else 0.0)
+    note(light, state=state)
 
 
 def _note_making(furniture: Sdf.PrimSpec, made: Provenance) -> None:
