@@ -7,7 +7,7 @@ what is built on it, so near that its walls are as thick as the network knows th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -67,6 +67,15 @@ _MARGIN = 0.05
 
 _LEAST_PART = 0.04
 """What is smaller than this share of the largest thing built on a page is a symbol or a legend."""
+
+_INK, _APART = 60, 0.012
+"""Ink differs from its paper by so many levels; plans stand farther apart than this share of the
+page's longer side."""
+_SEEN, _UNSEEN, _SHEET = 0.25, 0.03, 2
+"""Least share of a plan where something is seen, greatest share of ink where nothing is, and how
+many seen plans make a sheet."""
+_ALIKE = math.log(1.8)
+"""By how much the sides of plans of a sheet differ."""
 
 TILE_PX = 512
 OVERLAP_PX = 128
@@ -128,6 +137,8 @@ class PageReader:
         if is_closer:
             window = total[:, rows, columns]
             window += _CLOSER_WEIGHT * (self._seen(part, share) - window)
+        for window in _unseen_plans(rgb, total[OUTSIDE] < 0.5, paper):
+            total[:, *window] = self._seen(rgb[window], share if is_closer else first)
         own = total[:, margin : rgb.shape[0] - margin, margin : rgb.shape[1] - margin]
         return Segments(own[:_BUILT], own[_BUILT:], 1.0 / (share if is_closer else first))
 
@@ -201,6 +212,28 @@ def _built_window(built: BoolArray) -> tuple[slice, slice]:
     left, top = np.maximum(low - margin, 0).tolist()
     right, bottom = np.minimum(high + margin, (width, height)).tolist()
     return slice(top, bottom), slice(left, right)
+
+
+def _unseen_plans(
+    rgb: ByteArray, built: BoolArray, paper: Sequence[float]
+) -> Iterator[tuple[slice, slice]]:
+    """Where a sheet of several plans holds ink like theirs, and nothing was seen: rows and columns.
+
+    built: (H, W) where something was. paper: its colour.
+    """
+    ink = np.abs(rgb.astype(np.int16) - np.array(paper, np.int16)).max(axis=2) > _INK
+    near = np.ones((max(3, round(_APART * max(built.shape))),) * 2, np.uint8)
+    blocks = cv2.dilate((ink | built).astype(np.uint8), near)
+    boxes = cv2.connectedComponentsWithStats(blocks)[2][1:, : cv2.CC_STAT_HEIGHT + 1]
+    windows = [(slice(y, y + high), slice(x, x + wide)) for x, y, wide, high in boxes.tolist()]
+    shares = np.array([built[window].mean() for window in windows])
+    sides = boxes[:, 2:].astype(np.float64)
+    if np.count_nonzero(shares >= _SEEN) < _SHEET:
+        return
+    usual = np.median(sides[shares >= _SEEN], axis=0)
+    alike = (np.abs(np.log(sides / usual)) < _ALIKE).all(axis=1)
+    for index in np.flatnonzero(alike & (shares < _UNSEEN)):
+        yield windows[index]
 
 
 def _tiles(length: int) -> Iterator[slice]:
