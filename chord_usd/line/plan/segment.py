@@ -137,8 +137,8 @@ class PageReader:
         if is_closer:
             window = total[:, rows, columns]
             window += _CLOSER_WEIGHT * (self._seen(part, share) - window)
-        for window in _unseen_plans(rgb, total[OUTSIDE] < 0.5, paper):
-            total[:, *window] = self._seen(rgb[window], share if is_closer else first)
+        for block in _unseen_plans(rgb, total[OUTSIDE] < 0.5, paper):
+            total[:, *block] = self._seen(rgb[block], share if is_closer else first)
         own = total[:, margin : rgb.shape[0] - margin, margin : rgb.shape[1] - margin]
         return Segments(own[:_BUILT], own[_BUILT:], 1.0 / (share if is_closer else first))
 
