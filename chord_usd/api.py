@@ -42,7 +42,9 @@ if TYPE_CHECKING:
 
 FilePath = str | PathLike[str]
 Quality = Literal["draft", "good", "final"]
-Package = Literal["web", "ar", "gltf", "ifc", "dxf", "ros", "robot", "mujoco", "urdf", "materialx"]
+Package = Literal[
+    "web", "ar", "gltf", "ifc", "dxf", "ros", "robot", "mujoco", "urdf", "sdf", "materialx"
+]
 
 
 @dataclass(frozen=True)

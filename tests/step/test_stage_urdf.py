@@ -1,4 +1,4 @@
-"""A house as URDF: one tree, as large as the stage, its joints where the stage has them."""
+"""A house as URDF and SDF: one tree, as large as the stage, its joints where the stage has them."""
 
 from __future__ import annotations
 
@@ -103,3 +103,31 @@ def test_joints_at_zero_are_shut_and_all_is_where_the_stage_has_it(
             assert np.allclose(pose[:3, 3], at, atol=1e-4), prim.GetPath()
     assert leaves == sum(j.attrib["type"] in ("revolute", "prismatic")
                          for j in robot.joints.values())  # fmt: skip
+
+
+def test_an_sdf_has_the_links_joints_and_poses_of_the_urdf(
+    robot: Robot, opening_house: Path, tmp_path: Path
+) -> None:
+    export_stage(opening_house, tmp_path / "sdf", "sdf")
+    model = ET.parse(tmp_path / "sdf" / "model.sdf").getroot().find("model")
+    links = {link.attrib["name"]: link for link in model.findall("link")}
+    joints = {joint.attrib["name"]: joint for joint in model.findall("joint")}
+    ends = [joint.find(end).text for joint in joints.values() for end in ("parent", "child")]
+    assert set(ends) <= {*links, "world"}
+    assert len(joints) == len(model.findall("joint"))
+    assert not any(link.attrib["name"] == "world" for link in links.values())
+    for mesh in model.iter("uri"):
+        assert (tmp_path / "sdf" / mesh.text).is_file()
+    turning = {name for name, joint in joints.items() if joint.attrib["type"] == "revolute"}
+    doors = {joint.attrib["name"]: name for name, joint in robot.joints.items()
+             if joint.attrib["type"] == "revolute" and "Architecture" in name}  # fmt: skip
+    assert doors
+    assert set(doors) <= turning  # the furniture of this one is not jointed
+    for joint, link in doors.items():
+        limit = joints[joint].find("axis/limit")
+        told = next(one for one in robot.root.iter("joint") if one.attrib["name"] == joint)
+        assert limit.find("upper").text == told.find("limit").attrib["upper"]
+        pose, parent = links[link].find("pose"), links[link].find("pose").attrib["relative_to"]
+        assert parent == told.find("parent").attrib["link"]
+        at = np.array(pose.text.split(), dtype=float)[:3]
+        assert np.allclose(at, origin(told)[:3, 3], atol=1e-6)

@@ -31,6 +31,7 @@ PACKAGES = {
     "robot": "a .json of what opens and its handles, supports, things to grasp, poses, tasks",
     "mujoco": "a folder with an MJCF model, its meshes and textures",
     "urdf": "a folder with a URDF model and its meshes",
+    "sdf": "a folder with an SDF model and its meshes",
     "blend": "a file of Blender with its pictures in it",
     "materialx": "a folder with the house, its materials in MaterialX, too",
 }

@@ -16,7 +16,7 @@ from chord_usd.line.stage.author.attribution import attribution_file
 
 PACKAGES = {
     "web": ".usdz", "ar": ".usdz", "gltf": ".glb", "ifc": ".ifc", "dxf": ".dxf", "ros": "",
-    "robot": ".json", "mujoco": "", "urdf": "", "materialx": "",
+    "robot": ".json", "mujoco": "", "urdf": "", "sdf": "", "materialx": "",
 }  # fmt: skip
 """Kinds of packages and the suffix of their file; "" for a folder."""
 
@@ -30,11 +30,12 @@ _WRITERS = {
     "robot": "exchange.robot_layer.write_robot_layer",
     "mujoco": "exchange.mjcf_model.write_mjcf",
     "urdf": "exchange.urdf_model.write_urdf",
+    "sdf": "exchange.sdf_model.write_sdf",
     "materialx": "exchange.materialx.write_materialx",
 }
 """What writes each, in this folder: a function of the open stage and of where to write."""
 
-_FILES = (".yaml", ".pgm", ".json", ".xml", ".mjcf", ".urdf")
+_FILES = (".yaml", ".pgm", ".json", ".xml", ".mjcf", ".urdf", ".sdf")
 """Suffixes of what lies in folders: whoever names such a file means its folder."""
 
 

@@ -23,7 +23,9 @@ from chord_usd.line.stage.export.exchange.mjcf_looks import MESHES, TEXTURES
 from chord_usd.line.stage.export.exchange.mjcf_model import mjcf_of
 
 MODEL_FILE = "model.urdf"
-_WORLD = "world"
+WORLD = "world"
+"""The link of what stands still."""
+
 _TYPES = {"hinge": "revolute", "slide": "prismatic"}
 _EFFORT, _SPEED = 100.0, 2.0
 """Of motors, which nothing here has and URDF asks for: newtons, metres or radians a second."""
@@ -34,12 +36,17 @@ def write_urdf(stage: Usd.Stage, folder: Path) -> None:
 
     Raises StageError for a stage with nothing in it.
     """
-    writer = _Writer(mjcf_of(stage, folder))
-    root = writer.model()
-    shutil.rmtree(folder / TEXTURES, ignore_errors=True)
+    root = urdf_of(stage, folder)
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode")
     (folder / MODEL_FILE).write_text(text + "\n", encoding="utf-8")
+
+
+def urdf_of(stage: Usd.Stage, folder: Path) -> ET.Element:
+    """The model as XML; its meshes are written into the folder, new or empty. Raises StageError."""
+    root = _Writer(mjcf_of(stage, folder)).model()
+    shutil.rmtree(folder / TEXTURES, ignore_errors=True)
+    return root
 
 
 class _Writer:
@@ -69,7 +76,7 @@ class _Writer:
     def _link(self, body: ET.Element, parent: str, above: FloatArray) -> tuple[str, FloatArray]:
         """Write a body as a link, and the joint to its parent; returns its name, and (4, 4) its
         frame of MJCF in the frame that it has here: where its joint is, as it stands at 0."""
-        name = _named(body.get("name", _WORLD)) if parent else _WORLD
+        name = _named(body.get("name", WORLD)) if parent else WORLD
         joint = next(iter(body.findall("joint")), None)
         own = np.eye(4)
         if joint is not None:
