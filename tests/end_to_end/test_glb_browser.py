@@ -99,10 +99,10 @@ def seen(address: str, name: str) -> dict[str, Any]:
         page.on("console", lambda said: said.type == "error" and errors.append(said.text))
         page.goto(f"{address}/index.html")
         page.wait_for_function("() => Boolean(window.see)")
-        told: dict[str, Any] = page.evaluate("(name) => window.see(name)", f"/{name}")
+        record: dict[str, Any] = page.evaluate("(name) => window.see(name)", f"/{name}")
         browser.close()
     assert errors == []
-    return told
+    return record
 
 
 def test_three_js_shows_a_house_as_large_as_it_is_and_neither_burnt_nor_dark(
@@ -111,13 +111,13 @@ def test_three_js_shows_a_house_as_large_as_it_is_and_neither_burnt_nor_dark(
     place, address = folder
     stage = author_stage(furnished_house, place / "house.usda", seed=3).path
     export_stage(stage, place / "house.glb", "gltf")
-    told = seen(address, "house.glb")
+    record = seen(address, "house.glb")
     shown = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
     opened = Usd.Stage.Open(str(stage))
     box = shown.ComputeWorldBound(opened.GetPseudoRoot()).ComputeAlignedRange()
     (west, south, floor), (east, north, top) = box.GetMin(), box.GetMax()
-    assert np.allclose(told["low"], (west, floor, -north), atol=NEAR_M)
-    assert np.allclose(told["high"], (east, top, -south), atol=NEAR_M)
-    rooms = [value for name, value in told["bright"].items() if name not in ("Top", "Isometric")]
+    assert np.allclose(record["low"], (west, floor, -north), atol=NEAR_M)
+    assert np.allclose(record["high"], (east, top, -south), atol=NEAR_M)
+    rooms = [value for name, value in record["bright"].items() if name not in ("Top", "Isometric")]
     assert len(rooms) == len(furnished_house.rooms)
-    assert LUMINANCE[0] < np.mean(rooms) < LUMINANCE[1], told["bright"]
+    assert LUMINANCE[0] < np.mean(rooms) < LUMINANCE[1], record["bright"]

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import get_args
 
+import jsonschema
 import numpy as np
 import pytest
 from pxr import Usd
@@ -16,9 +17,11 @@ from chord_usd.base.scene.stacking import stack
 from chord_usd.base.scene.stair_forms import build_stair
 from chord_usd.base.scene.storeys import STOREY_M, StairForm, StoreyPlan
 from chord_usd.base.scene.types import Plan
+from chord_usd.line.pipeline.house_states import set_states
 from chord_usd.line.plan.read import read_storey_plans
 from chord_usd.line.stage.author.author_stage import author_levels
 from chord_usd.line.stage.author.stage_levels import levels_of
+from chord_usd.line.stage.export.exchange import robot_layer
 from chord_usd.line.stage.export.exchange.built_house import houses_of
 from chord_usd.line.stage.export.export_stage import export_stage
 from chord_usd.workshop.data.storey_houses import random_storeys
@@ -93,6 +96,25 @@ def test_maps_of_storeys_are_joined_by_stairs(tmp_path: Path) -> None:
     for at, room in enumerate(stair["rooms"]):
         assert room in told["storeys"][stair["storeys"][at]]["rooms"]
     assert stair["rise"] == pytest.approx(STOREY_M)
+
+
+def test_a_robot_layer_has_all_storeys_and_doors_shut_by_their_state(tmp_path: Path) -> None:
+    given, house = staged(1, 2, tmp_path)
+    set_states(house, house, "doors: closed")
+    export_stage(house, tmp_path / "house.robot.json", "robot")
+    told = json.loads((tmp_path / "house.robot.json").read_text(encoding="utf-8"))
+    jsonschema.validate(told, json.loads(robot_layer.SCHEMA.read_text(encoding="utf-8")))
+    assert [len(storey["rooms"]) for storey in told["storeys"]] == [
+        len(storey.plan.rooms) for storey in given
+    ]
+    assert len(told["stairs"]) == 1
+    doors = [one for one in told["openables"] if one["class"] == "door"]
+    assert {door["state"] for door in doors} == {"closed"}
+    upper = [door for door in doors if door["rooms"][0] in told["storeys"][1]["rooms"]]
+    assert upper
+    assert all(STOREY_M < handle["position"][2] < 2 * STOREY_M
+               for door in upper for handle in door["handles"])  # fmt: skip
+    assert not all(room["reachable"] for room in told["rooms"])
 
 
 @pytest.mark.parametrize(("seed", "forms"), [(0, SPIRAL), *later((1, FORMS), (2, FORMS))])

@@ -68,7 +68,7 @@ def test_usual_takes_everything_back(house: Path) -> None:
 
 
 def test_furniture_that_opens_becomes_jointed_and_opens_as_far_as_it_is_free(house: Path) -> None:
-    free = {one.path: one.free_share for one in check_stage(house).opens}
+    free = {entry.path: entry.free_share for entry in check_stage(house).opens}
     stage = stated(house, "furniture: open")
     leaves = [prim for prim in stage.Traverse() if prim.HasAttribute("chord:state")]
     assert {str(prim.GetPath()) for prim in leaves} == set(free)
@@ -101,8 +101,8 @@ def test_lamps_are_on_or_off_at_every_time_of_day(house: Path) -> None:
 
 def test_subjects_name_rooms_pieces_and_prims(house: Path) -> None:
     def meant(subject: str, state: str) -> set[str]:
-        (one,) = set_states(house, house, f"{subject}: {state}", dry_run=True)
-        return set(one.paths)
+        (entry,) = set_states(house, house, f"{subject}: {state}", dry_run=True)
+        return set(entry.paths)
 
     doors = meant("all doors", "open")
     assert meant("doors in bedroom 1", "open") == meant("Bedroom_0 doors", "closed") < doors
@@ -136,11 +136,11 @@ def test_maps_follow_doors_that_have_a_state(house: Path, tmp_path: Path) -> Non
         stated(house, f"doors: {state}")
         folder = tmp_path / state
         assert main(["export", str(house), "--for", "ros", "-o", str(folder), "-q"]) == 0
-        told = json.loads((folder / "rooms.json").read_text())
-        assert {door["state"] for door in told["doors"] if door["kind"] == "door"} == {
+        record = json.loads((folder / "rooms.json").read_text())
+        assert {door["state"] for door in record["doors"] if door["kind"] == "door"} == {
             None if state == "usual" else state
         }
-        reachable[state] = {room["id"] for room in told["rooms"] if room["reachable"]}
+        reachable[state] = {room["id"] for room in record["rooms"] if room["reachable"]}
         free[state] = (folder / "map.pgm").read_bytes().count(254)
     assert reachable["closed"] < reachable["open"] == reachable["usual"]
     assert max(free["open"], free["closed"]) < free["usual"]

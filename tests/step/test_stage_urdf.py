@@ -49,10 +49,10 @@ class Robot:
 
 
 def origin(element: ET.Element) -> np.ndarray:
-    told = element.find("origin")
+    record = element.find("origin")
     pose = np.eye(4)
-    pose[:3, 3] = np.fromstring(told.get("xyz", "0 0 0"), sep=" ")
-    angles = np.fromstring(told.get("rpy", "0 0 0"), sep=" ")
+    pose[:3, 3] = np.fromstring(record.get("xyz", "0 0 0"), sep=" ")
+    angles = np.fromstring(record.get("rpy", "0 0 0"), sep=" ")
     pose[:3, :3] = Rotation.from_euler("xyz", angles).as_matrix()
     return pose
 
@@ -125,9 +125,9 @@ def test_an_sdf_has_the_links_joints_and_poses_of_the_urdf(
     assert set(doors) <= turning  # the furniture of this one is not jointed
     for joint, link in doors.items():
         limit = joints[joint].find("axis/limit")
-        told = next(one for one in robot.root.iter("joint") if one.attrib["name"] == joint)
-        assert limit.find("upper").text == told.find("limit").attrib["upper"]
+        record = next(entry for entry in robot.root.iter("joint") if entry.attrib["name"] == joint)
+        assert limit.find("upper").text == record.find("limit").attrib["upper"]
         pose, parent = links[link].find("pose"), links[link].find("pose").attrib["relative_to"]
-        assert parent == told.find("parent").attrib["link"]
+        assert parent == record.find("parent").attrib["link"]
         at = np.array(pose.text.split(), dtype=float)[:3]
-        assert np.allclose(at, origin(told)[:3, 3], atol=1e-6)
+        assert np.allclose(at, origin(record)[:3, 3], atol=1e-6)

@@ -51,11 +51,11 @@ def set_states(
         there = things_there(stage)
         meant = [(clause, _meant(clause, there, rooms)) for clause in clauses]
     if not dry_run:
-        states = [(one, clause.state) for clause, own in meant for one in own]
+        states = [(entry, clause.state) for clause, things in meant for entry in things]
         give_states(source, target, stage, states)
     return tuple(
-        Stated(clause.subject, clause.state, tuple(str(one.path) for one in own))
-        for clause, own in meant
+        Stated(clause.subject, clause.state, tuple(str(entry.path) for entry in things))
+        for clause, things in meant
     )
 
 
@@ -66,7 +66,7 @@ def _meant(
     from chord_usd.line.lists.wishes import rooms_meant
     from chord_usd.line.stage.edit.leaves_and_lamps import LeafThere
 
-    able = [one for one in there if clause.fits(leaf=isinstance(one, LeafThere))]
+    able = [entry for entry in there if clause.fits(leaf=isinstance(entry, LeafThere))]
     said = re.sub(r"[^\w]+", " ", clause.subject.lower()).strip()
     inside = _IN.fullmatch(said)
     words = f"{inside[2]} {inside[1]}".split() if inside else said.split()
@@ -75,13 +75,13 @@ def _meant(
         return able
     for at in range(len(words) + 1):
         place, noun = " ".join(words[:at]), words[at:]
-        known = [one for one in able if _is_called(one, noun, rooms)]
+        known = [entry for entry in able if _is_called(entry, noun, rooms)]
         if place and known:
             try:
                 names = {room.id for room in rooms_meant(place, rooms, WHERE)}
             except ChordError:
                 continue
-            known = [one for one in known if names.intersection(one.rooms)]
+            known = [entry for entry in known if names.intersection(entry.rooms)]
         if known:
             return known
     raise ChordError(
@@ -90,39 +90,39 @@ def _meant(
     )  # fmt: skip
 
 
-def _is_called(one: ThingThere, noun: Sequence[str], rooms: Mapping[str, Room]) -> bool:
+def _is_called(entry: ThingThere, noun: Sequence[str], rooms: Mapping[str, Room]) -> bool:
     """Whether a noun, in small letters, means a leaf or a light."""
     from chord_usd.line.lists.vocabulary import HERE, named
     from chord_usd.line.stage.edit.leaves_and_lamps import LeafThere
 
     word = " ".join(noun)
-    if word in one.names:
+    if word in entry.names:
         return True
-    if isinstance(one, LeafThere):
+    if isinstance(entry, LeafThere):
         if word in _DOORS_OUT:
-            return one.category == "door" and len(one.rooms) < 2
+            return entry.category == "door" and len(entry.rooms) < 2
         if word in ("drawer", "drawers"):
-            return one.path.name.startswith("Drawer")
+            return entry.path.name.startswith("Drawer")
         if word in ("furniture", "pieces"):
-            return one.piece is not None
+            return entry.piece is not None
         if word.removesuffix("s") in ("door", "window"):
-            return one.category == word.removesuffix("s")
+            return entry.category == word.removesuffix("s")
     elif not noun or word in ("light", "lights"):
         return True
     elif word in ("lamp", "lamps"):
-        return one.category != ""
+        return entry.category != ""
     meant = named(list(noun)) if noun else None
     if meant is None:
         return False
-    here = {HERE.get(rooms[name].kind, {}).get(meant.word) for name in one.rooms if name in rooms}
-    return one.category in {meant.category, *here}
+    here = {HERE.get(rooms[name].kind, {}).get(meant.word) for name in entry.rooms if name in rooms}
+    return entry.category in {meant.category, *here}
 
 
 def _calls(able: Sequence[ThingThere]) -> Iterator[str]:
     """What leaves and lights are called in general."""
     from chord_usd.line.stage.edit.leaves_and_lamps import LeafThere
 
-    categories = sorted({one.category for one in able if one.category})
+    categories = sorted({entry.category for entry in able if entry.category})
     yield from (f"{name}s" if name in _OPENINGS else name.replace("_", " ") for name in categories)
-    if any(not isinstance(one, LeafThere) for one in able):
+    if any(not isinstance(entry, LeafThere) for entry in able):
         yield from ("lamps", "lights")

@@ -72,13 +72,13 @@ def things_there(stage: Usd.Stage) -> list[ThingThere]:
             for prim in list(_openable(room)):
                 prim.GetVariantSet(ARTICULATION).SetVariantSelection(JOINTED)
     called = {str(room.GetAttribute(NODE_ID).Get()): room.GetName() for room in room_prims(stage)}
-    found: list[ThingThere] = []
+    result: list[ThingThere] = []
     for room in room_prims(stage):
         for prim in Usd.PrimRange(room):
             if prim.IsA(UsdPhysics.RevoluteJoint) or prim.IsA(UsdPhysics.PrismaticJoint):
-                found.append(_leaf(stage, prim, room, called))
-        found += _lights(room)
-    return found
+                result.append(_leaf(prim, room, called))
+        result += _lights(room)
+    return result
 
 
 def give_states(
@@ -86,16 +86,16 @@ def give_states(
 ) -> None:
     """Write a house to target, which may be source, with leaves and lights in these states, in
     this order. stage: the house at source, as things_there left it. Raises as rewrite does."""
-    furniture = any(isinstance(one, LeafThere) and one.piece for one, _ in states)
+    furniture = any(isinstance(entry, LeafThere) and entry.piece for entry, _ in states)
     free = free_shares(stage) if furniture else {}
 
     def edit(path: Path, _: Sequence[Path]) -> Sdf.Layer:
         layer = open_layer(path)
-        for one, state in states:
-            if isinstance(one, LeafThere):
-                _set_leaf(layer, one, state, free.get(one.path, 1.0))
+        for entry, state in states:
+            if isinstance(entry, LeafThere):
+                _set_leaf(layer, entry, state, free.get(entry.path, 1.0))
             else:
-                _set_light(layer, one, state)
+                _set_light(layer, entry, state)
         layer.Save()
         return layer
 
@@ -110,6 +110,8 @@ def free_shares(stage: Usd.Stage) -> dict[Sdf.Path, float]:
 
 def _set_leaf(layer: Sdf.Layer, leaf: LeafThere, state: str, free_share: float = 1.0) -> None:
     """Say in a layer how far a leaf stands open; it stops at free_share of its range."""
+    if state == USUAL and not layer.GetPrimAtPath(leaf.path):
+        return
     spec = Sdf.CreatePrimInLayer(layer, leaf.path)
     share = min(OPENED.get(state, 0.0), free_share)
     turn_op = f"xformOp:rotate{'XYZ'[leaf.axis]}"
@@ -151,9 +153,7 @@ def _openable(room: Usd.Prim) -> Iterator[Usd.Prim]:
             yield prim
 
 
-def _leaf(
-    stage: Usd.Stage, joint: Usd.Prim, room: Usd.Prim, called: Mapping[str, str]
-) -> LeafThere:
+def _leaf(joint: Usd.Prim, room: Usd.Prim, called: Mapping[str, str]) -> LeafThere:
     target = UsdPhysics.Joint(joint).GetBody1Rel().GetTargets()[0]
     owner = joint.GetParent()
     piece = None
@@ -162,7 +162,7 @@ def _leaf(
         owner = owner.GetParent()
         piece = owner.GetPath()
     else:
-        rooms = (called.get(one, one) for one in owner.GetAttribute(_ROOMS).Get())
+        rooms = (called.get(entry, entry) for entry in owner.GetAttribute(_ROOMS).Get())
     turns = joint.IsA(UsdPhysics.RevoluteJoint)
     read = UsdPhysics.RevoluteJoint(joint) if turns else UsdPhysics.PrismaticJoint(joint)
     limits = (read.GetLowerLimitAttr().Get(), read.GetUpperLimitAttr().Get())

@@ -59,10 +59,10 @@ def stated_doors(stage: Usd.Stage) -> dict[str, StatedDoor]:
             leaves.setdefault(str(leaf.GetPath().GetParentPath()), []).append(leaf)
     return {
         path: StatedDoor(
-            max((str(leaf.GetAttribute(STATE).Get()) for leaf in own), key=OPENED.__getitem__),
-            tuple(map(_shadow, own)),
+            max((str(leaf.GetAttribute(STATE).Get()) for leaf in hung), key=OPENED.__getitem__),
+            tuple(map(_shadow, hung)),
         )
-        for path, own in leaves.items()
+        for path, hung in leaves.items()
     }
 
 

@@ -22,10 +22,11 @@ from chord_usd.base.scene.types import FloatArray, Item
 from chord_usd.line.stage.check.check_scene import solids_of
 from chord_usd.line.stage.edit.leaves_and_lamps import LeafThere, free_shares, things_there
 from chord_usd.line.stage.export.exchange.built_house import House
-from chord_usd.line.stage.export.exchange.robot_map import Survey, surveyed
+from chord_usd.line.stage.export.exchange.robot_map import Survey, stairs_told, surveyed
 from chord_usd.line.stage.read.leaf_states import STATE
 
 FORMAT = "chord-usd robot layer 1"
+SCHEMA = Path(__file__).with_suffix(".schema.json")
 
 GRIPPER_M = 0.085
 """How far a parallel gripper opens."""
@@ -41,37 +42,42 @@ def write_robot_layer(stage: Usd.Stage, path: Path) -> None:
     """Write the layer of a house. Raises StageError."""
     storeys = surveyed(stage)
     free = free_shares(stage)
-    there = [one for one in things_there(stage) if isinstance(one, LeafThere)]
+    there = [entry for entry in things_there(stage) if isinstance(entry, LeafThere)]
     transforms = UsdGeom.XformCache()
-    openables = [_openable(stage, one, free.get(one.path, 1.0), transforms) for one in there]
-    supports = [told for one in storeys for told in _supports(one.house)]
-    things = [told for one in storeys for told in _graspable(stage, one.house)]
-    rooms = [told for one in storeys for told in one.rooms["rooms"]]
+    openables = [_openable(stage, entry, free.get(entry.path, 1.0), transforms) for entry in there]
+    supports = [record for entry in storeys for record in _supports(entry.house)]
+    things = [record for entry in storeys for record in _graspable(stage, entry.house)]
+    rooms = [record for entry in storeys for record in entry.rooms["rooms"]]
     layer = {
         "format": FORMAT,
         "stage": Path(stage.GetRootLayer().realPath).name,
         "units": "metres, radians, kilograms",
         "entrance": storeys[0].rooms["entrance"],
         "storeys": [
-            {"name": one.house.storey_title, "elevation": round(one.house.elevation_m, 4)}
-            for one in storeys
+            {
+                "name": entry.house.storey_title,
+                "elevation": round(entry.house.elevation_m, 4),
+                "rooms": [room.id for room in entry.house.plan.rooms],
+            }
+            for entry in storeys
         ],
+        "stairs": stairs_told([entry.house for entry in storeys]),
         "rooms": rooms,
-        "doors": [_door(told, openables) for one in storeys for told in one.rooms["doors"]],
+        "doors": [_door(record, openables) for entry in storeys for record in entry.rooms["doors"]],
         "openables": openables,
         "supports": supports,
         "graspable": things,
-        "spawns": {room: poses for one in storeys for room, poses in one.ways_out.items()},
+        "spawns": {room: poses for entry in storeys for room, poses in entry.ways_out.items()},
         "tasks": list(_tasks(storeys, openables, supports, things)),
     }
     path.write_text(json.dumps(layer, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def _door(told: Mapping[str, Any], openables: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _door(record: Mapping[str, Any], openables: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """A door with the ids of its leaves."""
-    room, _, name = told["id"].rpartition("_Door_")
-    own = f"/{room}/Architecture/Geometry/Door_{name}/"
-    return {**told, "leaves": [one["id"] for one in openables if own in one["id"]]}
+    room, _, name = record["id"].rpartition("_Door_")
+    prefix = f"/{room}/Architecture/Geometry/Door_{name}/"
+    return {**record, "leaves": [entry["id"] for entry in openables if prefix in entry["id"]]}
 
 
 # What opens ---------------------------------------------------------------------------------------
@@ -110,15 +116,15 @@ def _openable(
 def _grips(prim: Usd.Prim, transforms: UsdGeom.XformCache, leaf: LeafThere) -> list[FloatArray]:
     """(N, 3) points of each handle of a leaf; of the edge that moves most, where it has none."""
     solids = solids_of(prim, transforms)
-    named = [one for one in solids if _HANDLE.search(one.path.rsplit("/", 1)[-1])]
+    named = [entry for entry in solids if _HANDLE.search(entry.path.rsplit("/", 1)[-1])]
     if named:
-        points = np.concatenate([one.mesh.vertices for one in named])
+        points = np.concatenate([entry.mesh.vertices for entry in named])
         if leaf.piece is not None:
             return [points]
         matrix = np.array(transforms.GetLocalToWorldTransform(prim)).T
         side = (points - matrix[:3, 3]) @ matrix[:3, 1]
-        return [own for own in (points[side > 0.0], points[side < 0.0]) if len(own)]
-    points = np.concatenate([one.mesh.vertices for one in solids])
+        return [half for half in (points[side > 0.0], points[side < 0.0]) if len(half)]
+    points = np.concatenate([entry.mesh.vertices for entry in solids])
     frame = np.array(transforms.GetLocalToWorldTransform(prim.GetParent())).T
     axis = frame[:3, leaf.axis] / np.linalg.norm(frame[:3, leaf.axis])
     away = points - frame[:3, 3] - frame[:3, :3] @ leaf.shut_m
@@ -218,8 +224,8 @@ def _tasks(
 ) -> Iterator[dict[str, Any]]:  # fmt: skip
     """Tasks that can be done: to go, to open, to move a thing to another support of its room, or
     of the house."""
-    for one in storeys:
-        for room in one.rooms["rooms"]:
+    for entry in storeys:
+        for room in entry.rooms["rooms"]:
             if room["reachable"]:
                 yield {"task": "go", "room": room["id"]}
     for leaf in openables:
@@ -230,8 +236,8 @@ def _tasks(
                 "to": round(leaf["joint"]["open"] * 0.9, 4),
             }
     for thing in things[:_MOST_MOVES]:
-        others = [one for one in supports if one["id"] != thing["on"]]
-        near = [one for one in others if one["room"] == thing["room"]] or others
+        others = [entry for entry in supports if entry["id"] != thing["on"]]
+        near = [entry for entry in others if entry["room"] == thing["room"]] or others
         if near:
             yield {"task": "move", "thing": thing["id"], "to": near[0]["id"]}
 

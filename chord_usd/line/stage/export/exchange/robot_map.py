@@ -141,17 +141,6 @@ def _reach(grid: Grid, house: House, walked: Walk) -> Reach:
 
 def _house(houses: Sequence[House], reaches: Sequence[Reach]) -> dict[str, Any]:
     """Storeys, and stairs as edges between their rooms."""
-    stairs = [
-        {
-            "id": stair.id, "form": stair.form, "storeys": [low, low + 1],
-            "rooms": list(stair.rooms),
-            "foot": _pose(stair.walk_m[0], stair.walk_m[1]),
-            "top": _pose(stair.walk_m[-1], 2 * stair.walk_m[-1] - stair.walk_m[-2]),
-            "rise": round(float(stair.walk_m[-1, 2]), 4),
-            "length": round(float(np.linalg.norm(np.diff(stair.walk_m, axis=0), axis=1).sum()), 4),
-        }
-        for low, house in enumerate(houses) for stair in house.stairs
-    ]  # fmt: skip
     return {
         "frame": "map",
         "units": "metres, radians",
@@ -164,8 +153,23 @@ def _house(houses: Sequence[House], reaches: Sequence[Reach]) -> dict[str, Any]:
             }
             for house, reach in zip(houses, reaches, strict=True)
         ],
-        "stairs": stairs,
+        "stairs": stairs_told(houses),
     }  # fmt: skip
+
+
+def stairs_told(houses: Sequence[House]) -> list[dict[str, Any]]:
+    """Stairs of a house, the lowest storey first, as edges between rooms."""
+    return [
+        {
+            "id": stair.id, "form": stair.form, "storeys": [low, low + 1],
+            "rooms": list(stair.rooms),
+            "foot": _pose(stair.walk_m[0], stair.walk_m[1]),
+            "top": _pose(stair.walk_m[-1], 2 * stair.walk_m[-1] - stair.walk_m[-2]),
+            "rise": round(float(stair.walk_m[-1, 2]), 4),
+            "length": round(float(np.linalg.norm(np.diff(stair.walk_m, axis=0), axis=1).sum()), 4),
+        }
+        for low, house in enumerate(houses) for stair in house.stairs
+    ]  # fmt: skip
 
 
 def _pose(at_m: FloatArray, ahead_m: FloatArray) -> dict[str, float]:

@@ -47,14 +47,14 @@ def _link(
     inertial = link.find("inertial")
     if inertial is not None:
         element.append(_inertial(inertial))
-    for number, part in enumerate(one for one in link if one.tag in ("visual", "collision")):
-        told = ET.SubElement(element, part.tag, name=f"{part.tag}_{number}")
-        told.append(_pose(part))
-        told.append(_geometry(part))
+    for number, part in enumerate(entry for entry in link if entry.tag in ("visual", "collision")):
+        record = ET.SubElement(element, part.tag, name=f"{part.tag}_{number}")
+        record.append(_pose(part))
+        record.append(_geometry(part))
         look = part.find("material")
         if look is not None:
             colour = colours[look.attrib["name"]].find("color")
-            shown = ET.SubElement(told, "material")
+            shown = ET.SubElement(record, "material")
             ET.SubElement(shown, "diffuse").text = (
                 colour.attrib["rgba"] if colour is not None else ""
             )
@@ -65,9 +65,9 @@ def _geometry(part: ET.Element) -> ET.Element:
     """The same shape, its attributes as elements."""
     element = ET.Element("geometry")
     for shape in part.findall("geometry/*"):
-        told = ET.SubElement(element, shape.tag)
+        record = ET.SubElement(element, shape.tag)
         for name, value in shape.attrib.items():
-            ET.SubElement(told, "uri" if name == "filename" else name).text = value
+            ET.SubElement(record, "uri" if name == "filename" else name).text = value
     return element
 
 
@@ -75,13 +75,13 @@ def _inertial(inertial: ET.Element) -> ET.Element:
     element = ET.Element("inertial")
     element.append(_pose(inertial))
     for name in ("mass", "inertia"):
-        told = inertial.find(name)
-        assert told is not None, "an inertial has both"
+        record = inertial.find(name)
+        assert record is not None, "an inertial has both"
         if name == "mass":
-            ET.SubElement(element, name).text = told.attrib["value"]
+            ET.SubElement(element, name).text = record.attrib["value"]
             continue
         moments = ET.SubElement(element, name)
-        for moment, value in told.attrib.items():
+        for moment, value in record.attrib.items():
             ET.SubElement(moments, moment).text = value
     return element
 
@@ -93,13 +93,13 @@ def _moving(joint: ET.Element) -> ET.Element:
     axis, limit, dynamics = (joint.find(tag) for tag in ("axis", "limit", "dynamics"))
     if axis is None or limit is None:
         return element
-    told = ET.SubElement(element, "axis")
-    ET.SubElement(told, "xyz").text = axis.attrib["xyz"]
-    limits = ET.SubElement(told, "limit")
+    record = ET.SubElement(element, "axis")
+    ET.SubElement(record, "xyz").text = axis.attrib["xyz"]
+    limits = ET.SubElement(record, "limit")
     for bound in ("lower", "upper", "effort", "velocity"):
         ET.SubElement(limits, bound).text = limit.attrib[bound]
     if dynamics is not None:
-        damped = ET.SubElement(told, "dynamics")
+        damped = ET.SubElement(record, "dynamics")
         ET.SubElement(damped, "damping").text = dynamics.attrib["damping"]
     return element
 
@@ -111,9 +111,9 @@ def _joint(name: str, kind: str, parent: str, child: str) -> ET.Element:
     return element
 
 
-def _pose(element: ET.Element, **told: str) -> ET.Element:
+def _pose(element: ET.Element, **record: str) -> ET.Element:
     origin = element.find("origin")
-    pose = ET.Element("pose", told)
+    pose = ET.Element("pose", record)
     pose.text = f"{origin.attrib['xyz']} {origin.attrib['rpy']}" if origin is not None else ""
     return pose
 
@@ -123,8 +123,8 @@ def _called(link: str) -> str:
 
 
 def _parent(joint: ET.Element) -> str:
-    return next(one.attrib["link"] for one in joint.findall("parent"))
+    return next(entry.attrib["link"] for entry in joint.findall("parent"))
 
 
 def _child(joint: ET.Element) -> str:
-    return next(one.attrib["link"] for one in joint.findall("child"))
+    return next(entry.attrib["link"] for entry in joint.findall("child"))

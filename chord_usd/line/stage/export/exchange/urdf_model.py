@@ -69,8 +69,8 @@ class _Writer:
         waiting: list[tuple[ET.Element, str, FloatArray]] = [(world, "", np.eye(4))]
         while waiting:
             body, parent, shift = waiting.pop()
-            name, own = self._link(body, parent, shift)
-            waiting += [(child, name, own) for child in reversed(body.findall("body"))]
+            name, local = self._link(body, parent, shift)
+            waiting += [(child, name, local) for child in reversed(body.findall("body"))]
         return self._root
 
     def _link(self, body: ET.Element, parent: str, above: FloatArray) -> tuple[str, FloatArray]:
@@ -78,19 +78,19 @@ class _Writer:
         frame of MJCF in the frame that it has here: where its joint is, as it stands at 0."""
         name = _named(body.get("name", WORLD)) if parent else WORLD
         joint = next(iter(body.findall("joint")), None)
-        own = np.eye(4)
+        local = np.eye(4)
         if joint is not None:
-            own[:3, 3] = -_vector(joint, "pos", "0 0 0")
+            local[:3, 3] = -_vector(joint, "pos", "0 0 0")
         link = ET.SubElement(self._root, "link", name=name)
         if parent:
-            pose = above @ _pose(body) @ np.linalg.inv(own) @ _back(joint)
+            pose = above @ _pose(body) @ np.linalg.inv(local) @ _back(joint)
             self._joint(body, joint, parent, name, pose)
         inertial = body.find("inertial")
         if inertial is not None and (joint is not None or body.find("freejoint") is not None):
-            link.append(_inertial(inertial, own))
+            link.append(_inertial(inertial, local))
         for geom in body.findall("geom"):
-            self._geom(link, geom, own)
-        return name, own
+            self._geom(link, geom, local)
+        return name, local
 
     def _joint(
         self, body: ET.Element, joint: ET.Element | None, parent: str, child: str, pose: FloatArray
@@ -116,13 +116,13 @@ class _Writer:
         )  # fmt: skip
         ET.SubElement(element, "dynamics", damping=joint.get("damping", "0"))
 
-    def _geom(self, link: ET.Element, geom: ET.Element, own: FloatArray) -> None:
+    def _geom(self, link: ET.Element, geom: ET.Element, local: FloatArray) -> None:
         shape = self._shape(geom)
         if shape is None:
             return
         is_seen = geom.get("class") != "felt"
         part = ET.SubElement(link, "visual" if is_seen else "collision")
-        part.append(_origin(own @ _pose(geom)))
+        part.append(_origin(local @ _pose(geom)))
         ET.SubElement(part, "geometry").append(shape)
         if is_seen and geom.get("material"):
             ET.SubElement(part, "material", name=geom.attrib["material"])
@@ -132,8 +132,8 @@ class _Writer:
         kind = geom.get("type", "mesh")
         if kind == "mesh":
             mesh = self._meshes[geom.attrib["mesh"]]
-            told = {"filename": f"{MESHES}/{mesh.attrib['file']}"}
-            return ET.Element("mesh", told | ({"scale": s} if (s := mesh.get("scale")) else {}))
+            record = {"filename": f"{MESHES}/{mesh.attrib['file']}"}
+            return ET.Element("mesh", record | ({"scale": s} if (s := mesh.get("scale")) else {}))
         size = _vector(geom, "size", "0 0 0")
         if kind == "box":
             return ET.Element("box", size=numbers(2 * size))
@@ -182,17 +182,17 @@ def _origin(pose: FloatArray) -> ET.Element:
     return ET.Element("origin", xyz=numbers(pose[:3, 3]), rpy=numbers(rpy))
 
 
-def _inertial(told: ET.Element, own: FloatArray) -> ET.Element:
-    pose = own @ _pose(told)
+def _inertial(record: ET.Element, local: FloatArray) -> ET.Element:
+    pose = local @ _pose(record)
     element = ET.Element("inertial")
     element.append(_origin(pose))
-    ET.SubElement(element, "mass", value=told.attrib["mass"])
-    moments = dict(zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), _moments(told), strict=True))
+    ET.SubElement(element, "mass", value=record.attrib["mass"])
+    moments = dict(zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), _moments(record), strict=True))
     ET.SubElement(element, "inertia", {name: f"{value:.9g}" for name, value in moments.items()})
     return element
 
 
-def _moments(told: ET.Element) -> Iterator[float]:
-    full = told.get("fullinertia")
-    values = full.split() if full else [*told.attrib["diaginertia"].split(), "0", "0", "0"]
+def _moments(record: ET.Element) -> Iterator[float]:
+    full = record.get("fullinertia")
+    values = full.split() if full else [*record.attrib["diaginertia"].split(), "0", "0", "0"]
     yield from map(float, values)
