@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import shapely
 from shapely import affinity, box
 from shapely.ops import unary_union
 
@@ -19,7 +20,7 @@ from chord_usd.base.scene.pose import Pose, posed
 from chord_usd.base.scene.stacking import stack
 from chord_usd.base.scene.stair_cells import is_cell
 from chord_usd.base.scene.stair_landings import LEAST_LANDING_M, landing_depth_m
-from chord_usd.base.scene.stair_places import DRAWN_STAIRS
+from chord_usd.base.scene.stair_places import DRAWN_STAIRS, seen_on_both
 from chord_usd.base.scene.stair_spirals import is_round
 from chord_usd.base.scene.storeys import STAIRS, STEEP, TO_RULE, Building, StoreyPlan
 from chord_usd.base.scene.types import Plan, Room, RoomKind
@@ -239,3 +240,12 @@ def test_stairs_that_do_not_meet_are_a_warning() -> None:
     far = {DRAWN_STAIRS: [[[0, 520], [90, 520], [90, 560], [0, 560]]]}
     made = stack([replace(below, plan=replace(below.plan, extra=far)), above])
     assert "do not lie over each other" in made.warnings[0]
+
+
+@pytest.mark.parametrize(("side_m", "is_alone"), [(1.9, True), (3.2, False)])
+def test_a_square_on_one_storey_is_all_of_a_stair_that_winds(side_m: float, is_alone: bool) -> None:
+    """A spiral stair of 1.9 m with its way out above "left no room for one to rule"."""
+    square = shapely.box(0.0, 0.0, side_m, side_m)
+    above = shapely.box(0.0, 0.0, side_m, side_m + 1.0)
+    (seen,) = seen_on_both([square], [above])
+    assert seen.equals(square) is is_alone

@@ -69,6 +69,9 @@ and how much of what was seen must stand on floor that both storeys have."""
 _ASKEW_DEG = 3.0
 """Of what is drawn along an axis a picture shows the outline no more askew."""
 
+_SQUARE_M, _SQUARE = (1.5, 2.4), 1.15
+"""Sides of what may be a spiral stair whose circle was not seen, and the greater to the lesser."""
+
 _STAIRWELL_M2 = 1.0
 
 _END_SHARE = 0.2
@@ -105,7 +108,8 @@ def drawn_stairs(plan: Plan, shift_m: tuple[float, float] = (0.0, 0.0)) -> list[
 def seen_on_both(below: Sequence[Polygon], above: Sequence[Polygon]) -> list[Polygon]:
     """Stairs between two storeys: what both show at one place, as far as either shows it; where
     only one shows stairs, those. A long one is no wider than both show it: walls are beside it.
-    Where each shows one end of a stair that turns, its ends are near each other."""
+    Where each shows one end of a stair that turns, its ends are near each other; of a spiral stair
+    the storey shows all that shows a circle, or a square."""
     if not below or not above:
         return [*below, *above]
     pairs = [(low, high) for low in below for high in above]
@@ -115,6 +119,9 @@ def seen_on_both(below: Sequence[Polygon], above: Sequence[Polygon]) -> list[Pol
 
 
 def _together(low: Polygon, high: Polygon) -> Polygon:
+    turning = [one for one in (low, high) if is_round(one) or _is_square(one)]
+    if turning:
+        return min(turning, key=lambda one: one.area)
     around = low.union(high).minimum_rotated_rectangle
     frame = _frame_of(around)
     (length, width, _), shown = frame.size_m, []
@@ -126,6 +133,12 @@ def _together(low: Polygon, high: Polygon) -> Polygon:
     near, far = max(span[0] for span in shown), min(span[1] for span in shown)
     corners = [(-length / 2, near), (length / 2, near), (length / 2, far), (-length / 2, far)]
     return Polygon(to_world(frame, corners))
+
+
+def _is_square(area: Polygon) -> bool:
+    """Whether a spiral stair may be what is seen so."""
+    length, width, _ = _frame_of(area.minimum_rotated_rectangle).size_m
+    return length <= _SQUARE_M[1] and width >= _SQUARE_M[0] and length <= _SQUARE * width
 
 
 def _frame_of(rectangle: Polygon) -> Box:
@@ -345,6 +358,8 @@ def _likely(shape: StairShape) -> tuple[StairForm, ...]:
         forms = ("L", "U", "straight")
     if is_round(shape.area):
         forms = ("spiral", "U", "L", "straight")
+    elif _is_square(shape.area):
+        return (*forms, *_WINDERS, "spiral")
     return (*forms, *_WINDERS)
 
 
