@@ -114,13 +114,14 @@ class Draw:
         """This draw and its lists, without unsure drawn furniture in rooms that are better without.
 
         What a drawing shows stays; what was seen where nothing is drawn stands before wardrobes.
+        Beds and fixtures are what rooms are for, and stay.
         """
         draw, faults = self, faults_by_room(listed, self)
         for room in listed.rooms:
             unsure = {
                 item.id for item in self.locked
                 if item.room_id == room.id and item.score < _SURE_DRAWN
-                and item.category not in having("fixture")
+                and item.category not in {"bed", *having("fixture")}
             }  # fmt: skip
             if not unsure or room.id not in faults:
                 continue
