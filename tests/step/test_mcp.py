@@ -108,7 +108,7 @@ def test_ten_things_that_an_agent_does_first(root: Path, run: RunVerb) -> None:
         read, (overlay,) = await say("read_plan", drawing="drawn.png", plan="plan.json")
         assert read["plan"] == "plan.json"
         assert overlay.width > 100
-        made, (preview,) = await say("furnish", house=HOUSE, plan="plan.json", steps=1)
+        made, (preview,) = await say("furnish", house=HOUSE, plan="plan.json", steps=4)
         assert made["stage"] == HOUSE
         assert max(preview.size) == PICTURE_PX
         held, (seen,) = await say("look", house=HOUSE)
