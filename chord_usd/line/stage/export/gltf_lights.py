@@ -65,6 +65,8 @@ def _area_m2(prim: Usd.Prim) -> float:
 
 def camera_of(prim: Usd.Prim, metres: float) -> Entry:
     """A camera of glTF, which knows no shift. metres: of a unit of the stage."""
+    # Rooms have the names of their cameras, and some readers place what has a camera's name.
+    name = f"{prim.GetName()}_Camera"
     lens = UsdGeom.Camera(prim).GetCamera()
     clip = lens.clippingRange
     reach = {"znear": max(clip.min * metres, 1e-3), "zfar": max(clip.max * metres, 1.0)}
@@ -72,6 +74,6 @@ def camera_of(prim: Usd.Prim, metres: float) -> Entry:
     if lens.projection == lens.Orthographic:
         half = _MM_PER_TENTH * metres / 2
         sides = {"xmag": across * half, "ymag": up * half}
-        return {"name": prim.GetName(), "type": "orthographic", "orthographic": sides | reach}
+        return {"name": name, "type": "orthographic", "orthographic": sides | reach}
     angle = {"yfov": 2.0 * math.atan(up / 2 / lens.focalLength), "aspectRatio": across / up}
-    return {"name": prim.GetName(), "type": "perspective", "perspective": angle | reach}
+    return {"name": name, "type": "perspective", "perspective": angle | reach}
