@@ -14,6 +14,7 @@ from chord_usd.base.metrics.design.bedroom_rules import wardrobes
 from chord_usd.base.metrics.design.home_rules import (
     DINERS,
     HALL,
+    LAUNDRIES,
     LAUNDRY,
     MOST_DINERS,
     NO_HOME_WITHOUT,
@@ -25,6 +26,7 @@ from chord_usd.base.metrics.design.home_rules import (
 )
 from chord_usd.base.metrics.design.view import HomeView, View, distances
 from chord_usd.base.metrics.rooms import stands_in
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import Box, FloatArray, RoomKind
 from chord_usd.line.lists.changes import Change, Propose, Size, at_walls, but, new_piece
 from chord_usd.line.lists.dining_changes import (
@@ -87,6 +89,18 @@ def _lived_in(home: HomeView) -> list[int]:
 def _laundry(home: HomeView) -> Iterator[Repair]:
     for at in _of_kinds(home, WASHED_IN):
         yield at, iter([partial(_added, category="washing_machine", sizes=[_WASHER_M])])
+
+
+def _laundries(home: HomeView) -> Iterator[Repair]:
+    """No further machine, the least fitting room first."""
+    fitting = _of_kinds(home, WASHED_IN)
+    others = [at for at in range(len(home.rooms)) if at not in fitting]
+    for at in (*others, *reversed(fitting)):
+        yield at, iter([_without_machine])
+
+
+def _without_machine(view: View) -> Iterator[Change]:
+    return (but(view, [at]) for at in view.of(*having("laundry")))
 
 
 def _storage(home: HomeView) -> Iterator[Repair]:
@@ -230,5 +244,5 @@ _COMPOSING: Mapping[str, Callable[[HomeView, Compose | None], Iterator[Repair]]]
 }  # fmt: skip
 _BY_RULE: Mapping[str, Callable[[HomeView], Iterator[Repair]]] = {
     NO_HOME_WITHOUT: _needed, TELEVISION: _television,
-    WARDROBES: _wardrobes, HALL: _hall, LAUNDRY: _laundry, STORAGE: _storage,
+    WARDROBES: _wardrobes, HALL: _hall, LAUNDRY: _laundry, LAUNDRIES: _laundries, STORAGE: _storage,
 }  # fmt: skip

@@ -18,7 +18,8 @@ from chord_usd.base.scene.types import WET_KINDS, FloatArray
 
 MOST_DINERS = 8
 HALL_M = 1.2
-LAUNDRY, TABLE, STORAGE = "laundry", "dining table", "storage in a store room"
+LAUNDRY, LAUNDRIES = "laundry", "washing machines"
+TABLE, STORAGE = "dining table", "storage in a store room"
 NO_HOME_WITHOUT, DINERS = "what no home is without", "diners without a seat"
 TELEVISION, WARDROBES = "television", "wardrobe a sleeper"
 SHOES = "shoe cabinet from the entrance"
@@ -128,6 +129,7 @@ RULES: tuple[Rule[HomeView], ...] = (
     Rule(NO_HOME_WITHOUT, 0, "count", "NDSS", _lacks, at_most=True, weight=2.0),
     Rule(WARDROBES, 1.00, "m", "HUD 1973", _wardrobe),
     Rule(LAUNDRY, 1, "count", "DIN 18022", _count(*_LAUNDRY)),
+    Rule(LAUNDRIES, 1, "count", "planning guides", _count(*_LAUNDRY), at_most=True, weight=0.5),
     Rule(DINERS, 0, "count", "HUD 1973", _diners, at_most=True),
     Rule(TABLE, 1, "count", "HUD 1973", _count("dining_table")),
     Rule(TELEVISION, 1, "count", "planning guides", _televisions),
