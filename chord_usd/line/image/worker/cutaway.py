@@ -17,6 +17,7 @@ from shapely.ops import polygonize, unary_union
 
 from chord_usd.base.scene.palette import CATEGORIES, Mount
 from chord_usd.line.image.stage_cameras import StageCamera
+from chord_usd.line.image.worker.data import NUMBER_MARK
 from chord_usd.line.image.worker.lamps import room_of
 from chord_usd.line.image.worker.scene import is_of_roof
 
@@ -54,6 +55,7 @@ def cut_open(height_m: float) -> None:
     height_m -= _BELOW_M
     sheets: list[LineString] = []
     tops: list[Polygon] = []
+    number = 0
     for thing in bpy.data.objects:  # higher cuts came before
         if _plain_name(thing) == _LID or is_of_roof(thing):
             thing.hide_render = True
@@ -61,11 +63,12 @@ def cut_open(height_m: float) -> None:
         name = _plain_name(thing)
         if name.startswith(_CAP_FROM):
             tops += _seen_from_above(thing, height_m)
+            number = thing.data.get(NUMBER_MARK, number)
         elif name.startswith(_SHEETS):
             sheets += _section(thing, height_m)
         if name.startswith("Ceiling") or not _cut(thing, height_m):
             thing.hide_render = True
-    _close(sheets, unary_union(tops), height_m)
+    _close(sheets, unary_union(tops), height_m, number)
     _cut_things(height_m)
 
 
@@ -300,8 +303,11 @@ def _section(thing: Any, height_m: float) -> list[LineString]:
     return lines
 
 
-def _close(sheets: list[LineString], tops: Any, height_m: float) -> None:
-    """Lids on the cut walls: what the sheets enclose and wall tops lie over."""
+def _close(sheets: list[LineString], tops: Any, height_m: float, number: int) -> None:
+    """Lids on the cut walls: what the sheets enclose and wall tops lie over.
+
+    number: of the thing that the lids show in masks.
+    """
     if not sheets:
         return
     lines = unary_union(shapely.set_precision(np.array(sheets), _GRID_M))
@@ -320,6 +326,7 @@ def _close(sheets: list[LineString], tops: Any, height_m: float) -> None:
     edited.to_mesh(mesh)
     edited.free()
     mesh.materials.append(_matte(_LID, _LID_ALBEDO))
+    mesh[NUMBER_MARK] = number
     lid = bpy.data.objects.new(_LID, mesh)
     for scene in bpy.data.scenes:  # that of depth and masks, too
         scene.collection.objects.link(lid)
