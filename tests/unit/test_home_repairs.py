@@ -107,8 +107,11 @@ def test_a_home_without_a_living_room_lives_where_it_sleeps() -> None:
 
 def test_a_home_washes_in_one_place() -> None:
     """The machine in the room that fits best stays."""
-    machines = (("kitchen", "washing_machine", Box((7.6, 1.0, 0.0), (0.6, 0.6, 0.85), -90.0)),
-                ("bathroom", "washing_machine", Box((0.3, 5.6, 0.0), (0.6, 0.6, 0.85), 90.0)))  # fmt: skip
+    places = {"kitchen": ((7.6, 1.0, 0.0), -90.0), "bathroom": ((0.3, 5.6, 0.0), 90.0)}
+    machines = [
+        (room, "washing_machine", Box(at_m, (0.6, 0.6, 0.85), yaw_deg))
+        for room, (at_m, yaw_deg) in places.items()
+    ]
     after = _repaired(_home(_BED, *machines))
     there = [item.room_id for item in after.items if item.category == "washing_machine"]
     assert there == ["bathroom"]
