@@ -20,6 +20,7 @@ from chord_usd.base.runtime.json_text import parse_json
 from chord_usd.base.runtime.locations import CACHE_VARIABLE, cache_folder
 from chord_usd.base.runtime.progress import Progress
 from chord_usd.base.runtime.scratch import scratch_folder
+from chord_usd.base.scene.category_rows import category_rows
 from chord_usd.base.scene.palette import CATEGORIES, category
 from chord_usd.base.scene.types import Asset
 from chord_usd.library.design_tables import FOLDERS, SizeM, entries
@@ -36,9 +37,11 @@ TEXTURE_PX = 1024
 _GENERATOR = (
     *("catalogue.py", "design_tables.py", "component.py", "component_prims.py", "material.py"),
     *("kit", "surfaces", *FOLDERS, "cloth", "textures"),
-    "../base/scene/categories.tsv",
 )
-"""What the bytes of the assets depend on."""
+"""Sources that the bytes of the assets depend on, beside the facts in `_CATEGORY_FACTS`."""
+
+_CATEGORY_FACTS = ("name", "wikidata")
+"""Columns of categories.tsv that components state; a change of the others keeps drawn assets."""
 
 _REBUILD = "chord-usd assets build -o FOLDER"
 
@@ -386,7 +389,8 @@ def _draw_into(folder: Path, asset: Asset, map_px: int) -> None:
 
 def _generator_hash() -> str:
     """Twelve hexadecimal digits that change with any source that draws or writes the assets."""
-    digest = hashlib.sha256()
+    facts = [[row[fact] for fact in _CATEGORY_FACTS] for row in category_rows().values()]
+    digest = hashlib.sha256(json.dumps(facts).encode())
     root = Path(__file__).parent
     for name in _GENERATOR:
         source = root / name

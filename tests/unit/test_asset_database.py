@@ -182,6 +182,19 @@ def test_a_cache_that_is_a_file_is_an_output_error(
         database.draw_embedded(shipped_bed())
 
 
+@pytest.mark.parametrize(
+    ("column", "kept"), [("rooms", True), ("words", True), ("wikidata", False)]
+)
+def test_drawn_assets_stay_where_a_fact_changes_that_they_do_not_state(
+    monkeypatch: pytest.MonkeyPatch, column: str, kept: bool
+) -> None:
+    before = database._generator_hash()
+    rows = {name: dict(row) for name, row in database.category_rows().items()}
+    rows["bed"][column] += "0"
+    monkeypatch.setattr(database, "category_rows", lambda: rows)
+    assert (database._generator_hash() == before) is kept
+
+
 LIBRARY = "chord_usd.library."
 
 
