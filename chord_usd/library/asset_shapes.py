@@ -23,7 +23,13 @@ from chord_usd.base.runtime.asset_stages import open_asset
 from chord_usd.base.runtime.files import write_atomic
 from chord_usd.base.runtime.locations import cache_folder
 from chord_usd.base.runtime.stages import layer_beside
-from chord_usd.base.scene.articulation import JOINTED_LAYER, JOINTS, PAYLOAD_LAYER
+from chord_usd.base.scene.articulation import (
+    JOINTED_LAYER,
+    JOINTS,
+    PAYLOAD_LAYER,
+    layer_file,
+    layer_places,
+)
 from chord_usd.base.scene.types import Asset, FloatArray, Item
 
 if TYPE_CHECKING:
@@ -297,7 +303,9 @@ class Openable:
 def openable(interface: str) -> Openable | None:
     """What opens of an asset, by the identifier of its interface layer; None for assets of other
     makers, whose layers are not known."""
-    payload, jointed = (layer_beside(interface, name) for name in (PAYLOAD_LAYER, JOINTED_LAYER))
+    payload, jointed = (
+        layer_beside(interface, *layer_places(name)) for name in (PAYLOAD_LAYER, JOINTED_LAYER)
+    )
     if payload is None:
         return None
     felt = [bounds for root in payload.rootPrims for bounds in _felt(payload, root)]
@@ -310,7 +318,7 @@ def openable(interface: str) -> Openable | None:
 def leaves_of(item: Item) -> list[Leaf]:
     """What opens of a piece, at its size; nothing without a mesh."""
     asset = item.asset
-    if asset is None or not asset.usd_path.with_name(JOINTED_LAYER).is_file():
+    if asset is None or layer_file(asset.usd_path, JOINTED_LAYER) is None:
         return []
     known = openable(str(asset.usd_path))
     if known is None:
@@ -322,7 +330,7 @@ def leaves_of(item: Item) -> list[Leaf]:
 def felt_boxes(item: Item) -> Boxes:
     """What a piece is felt as, in the world; its box without a mesh of this library."""
     asset = item.asset
-    if asset is None or not asset.usd_path.with_name(PAYLOAD_LAYER).is_file():
+    if asset is None or layer_file(asset.usd_path, PAYLOAD_LAYER) is None:
         return Boxes.filling(item.box)
     known = openable(str(asset.usd_path))
     if known is None:

@@ -1,8 +1,10 @@
 """Writes a design as a USD component: an interface to read, and what is behind its payload.
 
-    Desk_A/Desk_A.usda    kind, assetInfo, class, labels, extentsHint, names of variants, payload
-    Desk_A/payload.usdc   meshes, materials, what colourways make of them, colliders
-    Desk_A/jointed.usdc   another payload, of a variant, where doors or drawers open
+    Desk_A/Desk_A.usda          kind, assetInfo, class, labels, extentsHint, names of variants
+    Desk_A/simready_usd/        the same as a prop: prop.py
+        payloads/payload.usdc   meshes, materials, what colourways make of them, colliders
+        payloads/jointed.usdc   another payload, of a variant, where doors or drawers open
+        payloads/textures/      all pictures; maps of finishes are hard links
 
 A closed payload still gives bounds and the names of colourways. Structure: ASWF asset-structure
 guidelines; but one layer, not three, since a house opens all layers of all its assets.
@@ -24,8 +26,10 @@ from chord_usd.base.scene.articulation import (
     JOINTED,
     JOINTED_LAYER,
     PAYLOAD_LAYER,
+    PAYLOADS,
+    PROP,
 )
-from chord_usd.base.scene.credits import AUTHOR, LICENCE
+from chord_usd.base.scene.credits import AUTHOR, DRAWN_ON, LICENCE
 from chord_usd.base.scene.label_sets import wikidata_item
 from chord_usd.library.component_prims import (
     bind_feel,
@@ -50,6 +54,7 @@ from chord_usd.library.material import (
     slot_looks,
     write_values,
 )
+from chord_usd.library.prop import body_of, feel_soft, give_body, provenance, write_thumbnail
 from chord_usd.library.surfaces.surface_maps import MAPS_FOLDER
 
 if TYPE_CHECKING:
@@ -67,6 +72,8 @@ class ComponentInfo:
     author: str = AUTHOR
     label: str = ""
     """For people, where it differs from the name."""
+    made: str = DRAWN_ON
+    """Date on which it was made, as ISO 8601 has it."""
 
 
 def write_component(
@@ -74,27 +81,32 @@ def write_component(
 ) -> Path:
     """Write a component package into folder/design.id; returns its interface layer.
 
-    maps: where maps of finishes are, or come to; by default beside the package, where its
-    materials look for them. The bytes depend on the design, the size of the maps and the versions
+    maps: where maps of finishes are, or come to; by default beside the package, which has links to
+    them. The bytes depend on the design, the size of the maps and the versions
     of USD and Pillow only. Raises AssetError where a drawing misses its nominal size, KeyError
     where a colourway names no finish, OSError.
     """
     drawn = design.parts()
     parts = _sharing_materials(design, drawn)
-    worn = _worn(design, used_slots(parts), maps or MapShelf(folder / MAPS_FOLDER))
+    maps, info = maps or MapShelf(folder / MAPS_FOLDER), info or ComponentInfo()
+    worn = _worn(design, used_slots(parts), maps)
     package = folder / design.id
-    package.mkdir(parents=True)
-    _write_payload(design, parts, worn, package)
+    payloads = package / PAYLOADS
+    payloads.mkdir(parents=True)
+    for looks in worn.values():
+        save_pictures(looks, maps, payloads / TEXTURES)
+    _write_payload(design, parts, worn, payloads)
     if opens(parts):
-        write_jointed(design, parts, package / JOINTED_LAYER)
-    interface = package / f"{design.id}.usda"
-    about = _about(design, used_slots(drawn), info or ComponentInfo())
-    _write_interface(design, parts, about, interface)
-    return interface
+        write_jointed(design, parts, payloads / JOINTED_LAYER)
+    about = _about(design, used_slots(drawn), info)
+    _write_interface(design, parts, about, package)
+    _write_prop(design, parts, about, package, info)
+    write_thumbnail(design, parts, package)
+    return package / f"{design.id}.usda"
 
 
 def _write_payload(
-    design: Design, parts: Sequence[Part], worn: Mapping[str, Looks], package: Path
+    design: Design, parts: Sequence[Part], worn: Mapping[str, Looks], folder: Path
 ) -> None:
     from pxr import Sdf
 
@@ -108,8 +120,6 @@ def _write_payload(
         _add_geometry(stage, geometry, parts)
     _add_materials(stage, design, parts, worn)
     _add_colliders(stage, design, parts)
-    for looks in worn.values():
-        save_pictures(looks, package / TEXTURES)
     # The first set is the stronger one.
     _add_metals(stage, design, worn)
     _add_colourways(stage, design, worn)
@@ -117,7 +127,7 @@ def _write_payload(
     if opens(parts):
         shared = Sdf.Reference("", SHAPES)
         layer.GetPrimAtPath(geometry).referenceList.prependedItems = [shared]
-    layer.Export(str(package / PAYLOAD_LAYER))
+    layer.Export(str(folder / PAYLOAD_LAYER))
 
 
 def _add_geometry(stage: Usd.Stage, scope: str, parts: Iterable[Part]) -> None:
@@ -173,8 +183,41 @@ def _add_colliders(stage: Usd.Stage, design: Design, parts: Iterable[Part]) -> N
 
 
 def _write_interface(
-    design: Design, parts: tuple[Part, ...], about: Mapping[str, Any], path: Path
+    design: Design, parts: tuple[Part, ...], about: Mapping[str, Any], package: Path
 ) -> None:
+    layer = detached(_interface(design, parts, about))
+    _point(layer, design, parts, PAYLOADS)
+    layer.Export(str(package / f"{design.id}.usda"))
+
+
+def _write_prop(
+    design: Design, parts: tuple[Part, ...], about: Mapping[str, Any], package: Path,
+    info: ComponentInfo,
+) -> None:  # fmt: skip
+    """The interface once more, as a body of its own."""
+    stage = _interface(design, parts, about)
+    bounds_m = np.array(_bounds(parts))
+    if all(part.collider is None for part in parts):
+        feel_soft(stage, bounds_m)
+    layer = detached(stage)
+    _point(layer, design, parts, PAYLOADS.removeprefix(f"{PROP}/"))
+    give_body(layer.GetPrimAtPath(f"/{design.id}"), body_of(design, parts))
+    told = provenance(design, info.author, info.licence, info.made, bounds_m)
+    layer.customLayerData = {"SimReady_Metadata": told}
+    layer.Export(str(package / PROP / f"{design.id}.usda"))
+
+
+def _point(layer: Sdf.Layer, design: Design, parts: Sequence[Part], folder: str) -> None:
+    """Let an interface find its payloads in a folder beside it."""
+    from pxr import Sdf
+
+    spec = layer.GetPrimAtPath(f"/{design.id}")
+    spec.payloadList.prependedItems = [Sdf.Payload(f"./{folder}/{PAYLOAD_LAYER}")]
+    if opens(parts):
+        _add_articulation(spec, folder)
+
+
+def _interface(design: Design, parts: tuple[Part, ...], about: Mapping[str, Any]) -> Usd.Stage:
     from pxr import Sdf, Usd, UsdGeom
 
     stage = new_stage(design)
@@ -199,12 +242,7 @@ def _write_interface(
     if fitting_slots(design, used_slots(parts)):
         _offer(root, METAL_VARIANT_SET, (USUAL, *METALS))
     _offer(root, COLOUR_VARIANT_SET, design.colourways)
-    layer = detached(stage)
-    spec = layer.GetPrimAtPath(f"/{design.id}")
-    spec.payloadList.prependedItems = [Sdf.Payload(f"./{PAYLOAD_LAYER}")]
-    if opens(parts):
-        _add_articulation(spec)
-    layer.Export(str(path))
+    return stage
 
 
 def _offer(root: Usd.Prim, name: str, variants: Iterable[str]) -> None:
@@ -288,7 +326,7 @@ def _variant(stage: Usd.Stage, name: str, variant: str) -> Iterator[None]:
     variants.ClearVariantSelection()
 
 
-def _add_articulation(root: Sdf.PrimSpec) -> None:
+def _add_articulation(root: Sdf.PrimSpec, folder: str) -> None:
     """The variant set that opens a piece: another payload over the usual one."""
     from pxr import Sdf
 
@@ -297,7 +335,7 @@ def _add_articulation(root: Sdf.PrimSpec) -> None:
     root.variantSelections[ARTICULATION] = FIXED
     Sdf.VariantSpec(variants, FIXED)
     jointed = Sdf.VariantSpec(variants, JOINTED).primSpec
-    jointed.payloadList.prependedItems = [Sdf.Payload(f"./{JOINTED_LAYER}")]
+    jointed.payloadList.prependedItems = [Sdf.Payload(f"./{folder}/{JOINTED_LAYER}")]
 
 
 def _sharing_materials(design: Design, parts: tuple[Part, ...]) -> tuple[Part, ...]:

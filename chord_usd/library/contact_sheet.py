@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from PIL import Image
     from pxr import Usd
 
+    from chord_usd.library.kit.model import Design, Part
+
 TILE_PX = 260
 _CAPTION_PX = 30
 _MARGIN = 0.06
@@ -82,6 +84,23 @@ def draw_sheet(
 def draw_asset(asset: Asset, side_px: int = TILE_PX, colourway: str = "") -> ByteArray:
     """A square picture of one asset, (side_px, side_px, 3). Raises AssetError."""
     return _draw(_read(asset.usd_path, colourway), side_px)
+
+
+def picture_of(design: Design, parts: Sequence[Part], side_px: int) -> ByteArray:
+    """A square picture of a design in its first colours, (side_px, side_px, 3).
+
+    Drawn at its own size: a quarter of the work of draw_asset, with rougher edges.
+    """
+    looks = next(iter(design.colourways.values()))
+    corners, rgb, opacity = [], [], []
+    for part in parts:
+        finish = design.finishes[looks[part.slot]]
+        triangles = part.solid.points_m[part.solid.faces]
+        corners.append(triangles)
+        rgb.append(np.tile(np.array(finish.linear_rgb()) ** (1 / 2.2), (len(triangles), 1)))
+        opacity.append(np.full(len(triangles), finish.opacity))
+    picture = Picture(np.concatenate(corners), np.concatenate(rgb), np.concatenate(opacity))
+    return _draw(picture, side_px, supersample=1)
 
 
 def colourways(asset: Asset) -> list[str]:
@@ -159,8 +178,8 @@ def _finish(prim: Usd.Prim) -> tuple[FloatArray, float]:
     return linear ** (1 / 2.2), float(1.0 if solid is None else solid)
 
 
-def _draw(picture: Picture, side_px: int) -> ByteArray:
-    side = side_px * _SUPERSAMPLE
+def _draw(picture: Picture, side_px: int, supersample: int = _SUPERSAMPLE) -> ByteArray:
+    side = side_px * supersample
     right, up, ahead = _camera()
     flat = picture.corners_m @ np.stack([right, up, ahead], axis=1)
     low, high = flat.reshape(-1, 3).min(axis=0), flat.reshape(-1, 3).max(axis=0)
@@ -175,7 +194,7 @@ def _draw(picture: Picture, side_px: int) -> ByteArray:
     seen = points[:, 2] == nearest[pixel]
     canvas = np.tile(_PAPER, (side * side, 1))
     canvas[pixel[seen]] = (_lit(picture) * 255.0)[owner[seen]]
-    small = canvas.reshape(side_px, _SUPERSAMPLE, side_px, _SUPERSAMPLE, 3).mean(axis=(1, 3))
+    small = canvas.reshape(side_px, supersample, side_px, supersample, 3).mean(axis=(1, 3))
     return np.clip(np.round(small), 0, 255).astype(np.uint8)
 
 

@@ -36,6 +36,7 @@ TEXTURE_PX = 1024
 
 _GENERATOR = (
     *("catalogue.py", "design_tables.py", "component.py", "component_prims.py", "material.py"),
+    *("prop.py", "contact_sheet.py"),
     *("kit", "surfaces", *FOLDERS, "cloth", "textures"),
 )
 """Sources that the bytes of the assets depend on, beside the facts in `_CATEGORY_FACTS`."""

@@ -9,11 +9,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.base.runtime.files import link_or_copy
 from chord_usd.library.surfaces.finishes import Finish
 from chord_usd.library.surfaces.physical import stuff_of
 from chord_usd.library.surfaces.surface_maps import (
     MAP_PX,
-    MAPS_FOLDER,
     ROUGHNESS_RANGE,
     MapFiles,
     has_maps,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pxr import Usd, UsdShade
 
 TEXTURES = "textures"
-"""Folder of the pictures of a component."""
+"""Folder of the pictures of a component, beside its payload."""
 
 LOOK = "chord:look"
 """Attribute of a material: the name of its finish and a digest of all that it says, by which
@@ -135,8 +135,13 @@ def slot_looks(
     return Looks(worn, names, [shelf.files(finish) for finish in worn], shown)
 
 
-def save_pictures(looks: Looks, folder: Path) -> None:
-    """Write the pictures of a slot into folder."""
+def save_pictures(looks: Looks, shelf: MapShelf, folder: Path) -> None:
+    """Write the pictures of a slot into folder; its maps are links to those on the shelf."""
+    for maps in looks.maps:
+        for name in (maps.colour, maps.roughness, maps.normal) if maps else ():
+            if not (folder / name).exists():
+                folder.mkdir(exist_ok=True)
+                link_or_copy(shelf.folder / name, folder / name)
     for name, finish in zip(looks.pictures, looks.finishes, strict=True):
         if finish.texture is not None and not (folder / name).exists():
             folder.mkdir(exist_ok=True)
@@ -194,7 +199,7 @@ def _inputs(finish: Finish, maps: MapFiles | None, picture: str) -> Values:
     if maps is None:
         return found
     for (shader, *_), name in zip(_MAPS, (maps.colour, maps.roughness, maps.normal), strict=True):
-        found[f"{shader}.inputs:file"] = ("Asset", Sdf.AssetPath(f"../{MAPS_FOLDER}/{name}"))
+        found[f"{shader}.inputs:file"] = ("Asset", Sdf.AssetPath(f"./{TEXTURES}/{name}"))
     found["Roughness.inputs:scale"] = ("Float4", Gf.Vec4f(ROUGHNESS_RANGE * finish.roughness))
     repeats = Gf.Vec2f(1.0 / maps.tile_m[0], 1.0 / maps.tile_m[1])
     found["Place.inputs:scale"] = ("Float2", repeats)

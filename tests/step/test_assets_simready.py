@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import shutil
-from datetime import date
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 from pxr import Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, UsdValidation
 
 from chord_usd.base.scene.articulation import ARTICULATION, JOINTED
-from chord_usd.base.scene.palette import CATEGORIES, Level
+from chord_usd.base.scene.palette import CATEGORIES, Level, usual_mass_kg
 from chord_usd.base.scene.types import Asset
 from chord_usd.library.catalogue import designs
 from chord_usd.library.component import write_component
-from chord_usd.line.stage.author.physics import usual_mass_kg
-from chord_usd.line.stage.export.exchange.simready import THUMBNAIL_PX, write_simready
+from chord_usd.library.kit.model import Design, Part
+from chord_usd.library.kit.solids import box
+from chord_usd.library.prop import body_of
+from chord_usd.line.stage.export.exchange.simready import copy_prop
+from chord_usd.line.stage.export.packages import SHARED, Packages
 
 NAMES = ("Refrigerator_58x60", "Coffee_Cup", "Cushion_Bolster_42")
 """One that opens, one that people carry, one that has no collider in a house."""
@@ -31,12 +34,11 @@ TEXTS = (
 def props(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Root layers, in a folder that has been moved since it was written."""
     built, written = tmp_path_factory.mktemp("built"), tmp_path_factory.mktemp("written")
-    picture = Image.new("RGB", (THUMBNAIL_PX, THUMBNAIL_PX))
     roots = {}
     for design in (design for design in designs() if design.id in NAMES):
         path = write_component(design, built)
         asset = Asset(design.id, design.category, design.size_m, path, "CC0-1.0")
-        roots[design.id] = write_simready(asset, written, picture, date(2026, 1, 2))
+        roots[design.id] = copy_prop(asset, written)
     moved = tmp_path_factory.mktemp("moved") / "props"
     shutil.move(written, moved)
     shutil.rmtree(built)
@@ -58,6 +60,7 @@ def test_a_package_is_whole_and_alone(name: str, props: dict[str, Path]) -> None
     assert all(file.is_relative_to(root.parent) for file in used)
     with Image.open(root.parent / f".thumbs/256x256/{root.name}.png") as picture:
         assert picture.size == (256, 256)
+        assert np.ptp(np.asarray(picture.convert("L"))) > 40, "nothing is drawn"
     registry = UsdValidation.ValidationRegistry()
     context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
     assert [error.GetMessage() for error in context.Validate(Usd.Stage.Open(str(root)))] == []
@@ -95,6 +98,48 @@ def test_a_piece_that_opens_has_no_body_within_a_body(props: dict[str, Path]) ->
     inside = bodies(stage)
     assert len(inside) > 1
     assert root not in inside
+
+
+def test_a_package_beside_a_house_stands_alone_and_costs_no_space(tmp_path: Path) -> None:
+    """Its pictures are those of the house by another name; what refers to it is no body."""
+    built, home = tmp_path / "built", tmp_path / "home"
+    packages = Packages(home, [home], "assets")
+    for design in (design for design in designs() if design.id in NAMES):
+        reference = packages.add(write_component(design, built))
+        placed = Usd.Stage.Open(str(home / reference))
+        assert bodies(placed) == []
+        root = home / f"assets/{design.id}/simready_usd/{design.id}.usda"
+        layers, files, missing = UsdUtils.ComputeAllDependencies(str(root))
+        used = [Path(layer.realPath) for layer in layers] + [Path(file) for file in files]
+        assert not missing
+        assert all(file.is_relative_to(root.parent) for file in used)
+        assert (root.parent / f".thumbs/256x256/{root.name}.png").is_file()
+        assert bodies(Usd.Stage.Open(str(root))) != []
+        shared = home / "assets" / SHARED
+        assert files
+        for file in map(Path, files):
+            assert file.samefile(shared / file.name)
+
+
+def test_a_body_turns_as_its_volumes_say() -> None:
+    """A hammer: the head of steel below, the handle of wood beside its middle."""
+    head, handle = box((0.2, 0.2, 0.2)), box((0.02, 0.02, 0.6)).moved(x=0.05, z=0.2)
+    finishes = {"head": "steel", "handle": "oak"}
+    parts = Part("Head", head, "head"), Part("Handle", handle, "handle")
+    design = Design("Hammer", "vase", (0.2, 0.2, 0.8), lambda size: parts, {"plain": finishes})
+    body = body_of(design, parts)
+    assert body.mass_kg == pytest.approx(usual_mass_kg("vase", design.size_m))
+    assert 0.0 < body.centre_m[0] < 0.01
+    assert 0.1 < body.centre_m[2] < 0.15
+    assert np.allclose(body.axes @ body.axes.T, np.eye(3))
+    assert np.linalg.det(body.axes) == pytest.approx(1.0)
+    assert np.all(body.moments_kg_m2 > 0.0)
+    # No two moments are smaller together than the third, of any body.
+    low, middle, high = np.sort(body.moments_kg_m2)
+    assert low + middle > high
+    alone = body_of(design, parts[:1])
+    cube = usual_mass_kg("vase", design.size_m) * 0.2**2 / 6
+    assert alone.moments_kg_m2 == pytest.approx([cube] * 3)
 
 
 def test_everything_there_is_weighs_something() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from chord_usd.library.catalogue import designs
-from chord_usd.line.stage.author.physics import usual_mass_kg
+from chord_usd.base.scene.palette import usual_mass_kg
 
 
 @pytest.mark.parametrize(

@@ -37,11 +37,13 @@ from chord_usd.base.runtime.targets import (
 )
 
 __all__ = [
+    "Copies",
     "Delivery",
     "deliver",
     "destination",
     "folder_for_many",
     "hash_file",
+    "link_or_copy",
     "output_folder",
     "write_atomic",
 ]
@@ -233,11 +235,11 @@ class Delivery:
                 return
             if parcel.is_to_be_set_aside(target):
                 aside = _free_name(target)
-                _link_or_copy(target, aside)
+                link_or_copy(target, aside)
                 self._undo.append((aside, None))
             kept = parcel.keep()
             # A hard link leaves the old file in its place until the new one takes it.
-            _link_or_copy(target, kept)
+            link_or_copy(target, kept)
         self._undo.append((target, kept))
         source.replace(target)
         parcel.written.append(target)
@@ -423,7 +425,25 @@ def _free_name(file: Path) -> Path:
     return next(file.with_name(name) for name in names if not file.with_name(name).exists())
 
 
-def _link_or_copy(source: Path, target: Path) -> None:
+class Copies:
+    """Copies of files that are one file where their sources are: pictures of a house are links."""
+
+    def __init__(self) -> None:
+        self._made: dict[tuple[int, int], Path] = {}
+
+    def add(self, source: Path, target: Path) -> None:
+        """Copy source to target, whose folder is made. Raises OSError."""
+        target.parent.mkdir(parents=True, exist_ok=True)
+        state = source.stat()
+        made = self._made.setdefault((state.st_dev, state.st_ino), target)
+        if made == target:
+            shutil.copyfile(source, target)
+        else:
+            link_or_copy(made, target)
+
+
+def link_or_copy(source: Path, target: Path) -> None:
+    """Let target be the same file as source, or a copy where a file system has no links."""
     try:
         os.link(source, target)
     except OSError:

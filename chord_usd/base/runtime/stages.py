@@ -92,12 +92,16 @@ def open_layer(path: Path) -> Sdf.Layer:
     return layer
 
 
-def layer_beside(identifier: str, name: str) -> Sdf.Layer | None:
-    """The layer of this name in the folder or package of one that was opened before, or None."""
+def layer_beside(identifier: str, *names: str) -> Sdf.Layer | None:
+    """The first layer of these names in the folder or package of one that was opened before."""
     from pxr import Sdf
 
     layer = Sdf.Layer.FindOrOpen(identifier)
-    return layer and Sdf.Layer.FindOrOpen(layer.ComputeAbsolutePath(f"./{name}"))
+    for name in names if layer else ():
+        found = Sdf.Layer.FindOrOpen(layer.ComputeAbsolutePath(f"./{name}"))
+        if found:
+            return found
+    return None
 
 
 @contextmanager

@@ -259,6 +259,20 @@ def _is_plain(file: Path, folder: Path) -> bool:
 
 def hash_file(path: Path) -> str:
     """SHA-256 of a file's bytes, in hexadecimal. Raises OSError."""
+    state = path.stat()
+    if state.st_nlink == 1:
+        return _hash(path)
+    # One of many names of a file: a house has the same picture in ten packages.
+    file = (state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
+    if file not in _hashes:
+        _hashes[file] = _hash(path)
+    return _hashes[file]
+
+
+_hashes: dict[tuple[int, ...], str] = {}
+
+
+def _hash(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 ARTICULATION = "articulation"
 """The variant set."""
 
@@ -12,7 +14,26 @@ SETTLES_S = 0.4
 """What hangs on a joint and was pushed slows down to a third in this time."""
 
 PAYLOAD_LAYER, JOINTED_LAYER = "payload.usdc", "jointed.usdc"
-"""Layers beside an asset's interface: its geometry, and its bodies and joints."""
+"""Layers of an asset: its geometry, and its bodies and joints."""
+
+PROP = "simready_usd"
+"""Folder of an asset's package that simulators take by itself."""
+
+PAYLOADS = f"{PROP}/payloads"
+"""Where these layers and their pictures lie, seen from the asset's interface."""
+
+
+def layer_places(name: str) -> tuple[str, str]:
+    """Where a layer of an asset may lie, seen from its interface; packages of earlier versions
+    have it beside that."""
+    return f"{PAYLOADS}/{name}", name
+
+
+def layer_file(interface: Path, name: str) -> Path | None:
+    """The file of a layer of an asset, or None where it has none."""
+    files = (interface.parent / place for place in layer_places(name))
+    return next((file for file in files if file.is_file()), None)
+
 
 JOINTS = "Joints"
 """The scope of joints in JOINTED_LAYER."""

@@ -8,6 +8,7 @@ and lying book), so every look-up by colour names its level.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
@@ -17,6 +18,8 @@ from typing import Literal, cast
 from chord_usd.base.errors import SceneError
 from chord_usd.base.scene.category_rows import category_rows
 from chord_usd.base.scene.types import LEARNED_KINDS, ROOM_KINDS, RoomKind
+
+_LEAST_KG = 0.01
 
 ITEM_OPACITY = 0.3
 """Opacity of an item over the plan raster (paper, supplementary)."""
@@ -263,6 +266,11 @@ def category(name: str) -> Category:
         raise SceneError(
             f"unknown category '{name}'", expected="a category of the palette", try_=hint
         ) from None
+
+
+def usual_mass_kg(name: str, size_m: tuple[float, float, float]) -> float:
+    """Mass of a piece of this category, by itself. Raises KeyError for one not in the palette."""
+    return max(CATEGORIES[name].kg_per_m3 * math.prod(size_m), _LEAST_KG)
 
 
 def painted(base_rgb: Rgb, item_rgb: Rgb, opacity: float = ITEM_OPACITY) -> Rgb:

@@ -211,27 +211,20 @@ def _known(assets: Mapping[str, Asset], name: str) -> Asset:
 
 def run_export(options: argparse.Namespace) -> Outcome:
     """Runs assets export."""
-    from datetime import UTC, datetime
-
-    from PIL import Image
-
-    from chord_usd.library.contact_sheet import draw_asset
     from chord_usd.library.database import load_database
-    from chord_usd.line.stage.export.exchange.simready import THUMBNAIL_PX, write_simready
+    from chord_usd.line.stage.export.exchange.simready import copy_prop
 
     database = load_database(options.asset_folders)
     known = {asset.id: asset for asset in database.assets}
     chosen = [_known(known, name).id for name in dict.fromkeys(options.ids or known)]
-    watch, today = stopwatch(options), datetime.now(UTC).date()
+    watch = stopwatch(options)
     with (
         output_folder(options.output, folder_mode(options)) as folder,
         watch.step("assets") as progress,
     ):
         for done, name in enumerate(chosen):
             progress(done, len(chosen))
-            asset = database.named(name)
-            picture = Image.fromarray(draw_asset(asset, THUMBNAIL_PX))
-            write_simready(asset, folder, picture, today)
+            copy_prop(database.named(name), folder)
         progress(len(chosen), len(chosen))
     data = {"folder": str(options.output), "assets": chosen, "seconds": watch.seconds}
     return Outcome(f"{options.output}: {counted(len(chosen), 'package')}", data)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, distribution
@@ -19,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.base.errors import RenderError
-from chord_usd.base.runtime.files import output_folder
+from chord_usd.base.runtime.files import Copies, output_folder
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.json_lines import read_lines
 from chord_usd.base.runtime.json_text import parse_json
@@ -273,9 +272,9 @@ def _check(work: Work) -> None:
 def _copy_stage(work: Work, folder: Path) -> None:
     copies = {folder / file.relative_to(_root(work)): file for file in _files(work)}
     copies |= {folder / EXTRA_FOLDER / file.name: file for file in work.extra}
+    made = Copies()
     for target, file in copies.items():
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(file, target)
+        made.add(file, target)
 
 
 def _files(work: Work) -> tuple[Path, ...]:

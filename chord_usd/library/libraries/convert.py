@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path, PurePosixPath
 
 import numpy as np
@@ -61,7 +62,12 @@ def convert(model: Model, path: Path, name: str, folder: Path, most_triangles: i
         warnings.append(f"reduced from {count:,} to {left:,} triangles")
         sheets = _filling(sheets, size_m)
     design, is_open = _design(name, kind, size_m, sheets)
-    info = ComponentInfo(model.licence or "unknown", model.author or "unknown", model.label)
+    info = ComponentInfo(
+        model.licence or "unknown",
+        model.author or "unknown",
+        model.label,
+        datetime.now(UTC).date().isoformat(),
+    )
     interface = write_component(design, folder, info)
     asset = Asset(name, kind, size_m, interface, info.licence, info.author, tags=model.tags)
     return Converted(asset, tuple(warnings), is_open)

@@ -61,7 +61,7 @@ from chord_usd.line.stage.author.shared_looks import share_looks
 from chord_usd.line.stage.author.stage_levels import SHAFT, Level, one_level, room_specs
 from chord_usd.line.stage.author.surfaces import fitout
 from chord_usd.line.stage.author.variants import Wardrobe
-from chord_usd.line.stage.export.packages import Packages
+from chord_usd.line.stage.export.packages import Packages, share_pictures
 from chord_usd.line.stage.shell.author_shell import draw_shell
 from chord_usd.line.stage.views.cameras import set_cameras
 
@@ -313,6 +313,7 @@ def _pack(house: _House, target: Path, final: Path) -> str:
         stage = Path(folder) / f"{target.stem}.usda"
         content_hash = _write_house(house, stage, Path(folder))
         write_attribution(open_layer(stage), (Path(folder),), target, final)
+        share_pictures(Path(folder) / "assets")
         for file in Path(folder).rglob("*"):  # the archive notes their times
             os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(target))

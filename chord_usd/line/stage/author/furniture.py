@@ -16,7 +16,7 @@ from pxr import Sdf
 
 from chord_usd.base.scene.articulation import ARTICULATION, FIXED, JOINTED
 from chord_usd.base.scene.geometry import footprint, to_own
-from chord_usd.base.scene.palette import Level, category
+from chord_usd.base.scene.palette import Level, category, usual_mass_kg
 from chord_usd.base.scene.types import Asset, Box, FloatArray, Item
 from chord_usd.line.stage.author.names import NamedItem, NamedRoom
 from chord_usd.line.stage.author.physics import (
@@ -25,7 +25,6 @@ from chord_usd.line.stage.author.physics import (
     give_inertia,
     hold,
     mass_of,
-    usual_mass_kg,
     write_collider,
 )
 from chord_usd.line.stage.author.prims import (

@@ -39,7 +39,6 @@ DOOR_KG_PER_M2, SASH_KG_PER_M2 = 14.0, 25.0
 DOOR_OPENS_DEG = 90.0
 
 _ON_TOP_M = 0.01
-_LEAST_KG = 0.01
 
 
 def write_gravity(layer: Sdf.Layer, path: str) -> None:
@@ -63,11 +62,6 @@ def mass_of(item: Item, carriers: Mapping[str, Item]) -> float | None:
     if item.category not in having("moved"):
         return None
     return CATEGORIES[item.category].kg_per_m3 * math.prod(item.box.size_m)
-
-
-def usual_mass_kg(name: str, size_m: tuple[float, float, float]) -> float:
-    """Mass of a piece of this category, by itself. Raises KeyError for one not in the palette."""
-    return max(CATEGORIES[name].kg_per_m3 * math.prod(size_m), _LEAST_KG)
 
 
 def hang_leaf(

@@ -13,7 +13,7 @@ the house, in its architecture folder.
 
 from __future__ import annotations
 
-import posixpath
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, partial
@@ -23,9 +23,17 @@ from typing import Any
 from pxr import Sdf, Tf
 
 from chord_usd.base.runtime.stages import open_layer
-from chord_usd.base.scene.articulation import ARTICULATION, FIXED, JOINTED
+from chord_usd.base.scene.articulation import (
+    ARTICULATION,
+    FIXED,
+    JOINTED,
+    JOINTED_LAYER,
+    PAYLOAD_LAYER,
+    layer_file,
+)
 from chord_usd.line.stage.author.prims import apply_schema, attribute, define, over
 from chord_usd.line.stage.author.stage_levels import room_specs
+from chord_usd.line.stage.export.packages import SHARED
 
 LOOKS = "/House/Looks"
 LOOKS_LAYER = "Looks.usdc"
@@ -35,7 +43,7 @@ LOOKS_SET, OF_HOUSE = "looks", "house"
 _LOOK = "chord:look"
 """Attribute by which a component tells which of its materials are of one look."""
 
-_PAYLOADS = {FIXED: "payload.usdc", JOINTED: "jointed.usdc"}
+_PAYLOADS = {FIXED: PAYLOAD_LAYER, JOINTED: JOINTED_LAYER}
 _STRONGEST_FIRST = (ARTICULATION, "metal", "colour")
 """The variant sets of components that say what is worn."""
 
@@ -131,16 +139,15 @@ class _Component:
 
     def __init__(self, interface: Path, chosen: Mapping[str, str]) -> None:
         self._name = interface.stem
-        self._folder = interface.parent
-        self._from_looks = f"../{interface.parent.parent.name}/{interface.parent.name}"
+        self._interface = interface
         self._chosen = [(name, chosen[name]) for name in _STRONGEST_FIRST if name in chosen]
         self._payload = self._open(_PAYLOADS[FIXED])
         form = chosen.get(ARTICULATION, FIXED)
         self._shapes = self._open(_PAYLOADS.get(form, ""))
 
     def _open(self, file: str) -> Sdf.Layer | None:
-        path = self._folder / file
-        return open_layer(path) if file and path.is_file() else None
+        path = layer_file(self._interface, file) if file else None
+        return open_layer(path) if path else None
 
     def share(self, shelf: _Shelf, choice: _Choice) -> bool:
         """Write into its class what lets pieces in these variants wear looks of the house; False,
@@ -247,7 +254,8 @@ class _Component:
         )
         value = one.default
         if isinstance(value, Sdf.AssetPath):
-            value = Sdf.AssetPath(posixpath.normpath(posixpath.join(self._from_looks, value.path)))
+            folder = Path(one.layer.realPath).parent
+            value = Sdf.AssetPath(self._seen_from_looks(folder / value.path))
         if value is not None:
             spec.default = value
         if one.HasInfo("connectionPaths"):
@@ -255,6 +263,14 @@ class _Component:
                 path.ReplacePrefix(was, now) for path in one.connectionPathList.GetAppliedItems()
             ]
             spec.connectionPathList.explicitItems = read
+
+    def _seen_from_looks(self, file: Path) -> str:
+        """A picture of a component: that which all share, so that readers load it once."""
+        assets = self._interface.parent.parent
+        shared = assets / SHARED / file.name
+        if shared.is_file():
+            file = shared
+        return Path("..", os.path.relpath(file, assets.parent)).as_posix()
 
 
 def _below(prim: Sdf.PrimSpec) -> Iterator[Sdf.PrimSpec]:

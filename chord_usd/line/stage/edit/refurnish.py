@@ -19,7 +19,7 @@ from pxr import Sdf, UsdUtils
 
 from chord_usd.base.errors import StageError
 from chord_usd.base.runtime.archives import Archive
-from chord_usd.base.runtime.files import deliver, destination, hash_file
+from chord_usd.base.runtime.files import Copies, deliver, destination, hash_file
 from chord_usd.base.runtime.locations import absolute
 from chord_usd.base.runtime.stages import (
     ELEVATION,
@@ -48,7 +48,12 @@ from chord_usd.line.stage.author.prims import Types, attribute, note
 from chord_usd.line.stage.author.stage_levels import STOREY, room_spec
 from chord_usd.line.stage.author.variants import Wardrobe
 from chord_usd.line.stage.edit.staged_house import SEED
-from chord_usd.line.stage.export.packages import Packages, is_copy
+from chord_usd.line.stage.export.packages import (
+    Packages,
+    is_copy,
+    prop_beside,
+    share_pictures,
+)
 from chord_usd.line.stage.read.leaf_states import STATE
 from chord_usd.line.stage.views.cameras import clear_camera
 
@@ -200,7 +205,9 @@ def _copy_what_it_points_to(source: Path, staged: Path, target: Path) -> None:
     """
     home, final = absolute(source).parent, destination(target.parent)
     files = own_files(source)
-    for file in (*files.layers[1:], *files.others):
+    props = [file for layer in files.layers[1:] for file in prop_beside(layer)]
+    copies = Copies()
+    for file in (*files.layers[1:], *files.others, *props):
         name = file.relative_to(home)
         place, there = staged.parent / name, final / name
         is_of_target = name.parts[0] in (target.name, f"{target.stem}_architecture")
@@ -211,8 +218,7 @@ def _copy_what_it_points_to(source: Path, staged: Path, target: Path) -> None:
                 expected=f"an output folder without another {name.parts[0]}",
                 try_="-o in an empty folder",
             )
-        place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(file, place)
+        copies.add(file, place)
 
 
 def _edit_archive(source: Path, staged: Path, target: Path, edit: EditLayer) -> None:
@@ -229,6 +235,7 @@ def _edit_archive(source: Path, staged: Path, target: Path, edit: EditLayer) -> 
             os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
         # Unpacked, its files lie where those of a package cannot: look at what is packed again.
         own_files(root, source)
+        share_pictures(root.parent / "assets")
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(root)), str(staged))
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import importlib
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 from chord_usd.base.errors import OutputError
-from chord_usd.base.runtime.files import deliver, output_folder
+from chord_usd.base.runtime.files import Copies, deliver, output_folder
 from chord_usd.base.runtime.locations import absolute
 from chord_usd.base.runtime.stages import open_stage, own_files, reading
 from chord_usd.base.runtime.targets import FolderMode
@@ -97,8 +96,7 @@ def copy_files(stage: Path, folder: Path) -> list[Path]:
     copies of its layers, its own first. Raises StageError as copy_stage does."""
     files, home = own_files(stage), absolute(stage).parent
     makers = attribution_file(absolute(stage))
+    copies = Copies()
     for file in (*files.layers, *files.others, *([makers] if makers.is_file() else [])):
-        target = folder / file.relative_to(home)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(file, target)
+        copies.add(file, folder / file.relative_to(home))
     return [folder / layer.relative_to(home) for layer in files.layers]

@@ -2,7 +2,8 @@
 
 A package is a folder: an asset's or a look's interface layer and the files that this refers to.
 Houses in one folder share the packages that are the same; one that lies there already is never
-changed. Packages of one database share a folder of pictures beside them, and keep it.
+changed. Packages of one database share a folder of pictures beside them; those that point into
+it keep it, and those that stand alone have hard links to it, here as there.
 """
 
 from __future__ import annotations
@@ -12,14 +13,16 @@ import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import count
 from pathlib import Path
 
 from chord_usd.base.errors import AssetError, ChordError
 from chord_usd.base.runtime.asset_stages import EXPECTED, asset_files
-from chord_usd.base.runtime.files import hash_file, write_atomic
+from chord_usd.base.runtime.files import hash_file, link_or_copy, write_atomic
 from chord_usd.base.runtime.locations import cache_folder
+from chord_usd.base.scene.articulation import JOINTED_LAYER, PAYLOAD_LAYER, PAYLOADS
+from chord_usd.library.prop import prop_files
 
 SHARED = "Finishes"
 """Folder beside packages whose pictures all of them may use."""
@@ -53,18 +56,24 @@ class Packages:
             self._names[interface] = name
             # Also what lies there already: the house is checked before it is delivered.
             _copy(files, self._staged / name)
-            self._share(package.shared, interface)
+            self._share((*package.shared, *package.linked.values()), interface)
+            for inner, picture in package.linked.items():
+                place = self._staged / name / inner
+                place.parent.mkdir(parents=True, exist_ok=True)
+                link_or_copy(self._staged / SHARED / picture.name, place)
         return f"./{self._kind}/{self._names[interface]}/{interface.name}"
 
     def _share(self, pictures: Iterable[Path], interface: Path) -> None:
-        """Copy pictures that packages share; those of one name are one picture."""
+        """Copy pictures that packages share; those of one name are one picture, and one file."""
         for picture in pictures:
             if picture in self._shared:
                 continue
             self._shared.add(picture)
             place = self._staged / SHARED / picture.name
-            for there in (place, *(final / SHARED / picture.name for final in self._finals)):
-                if os.path.lexists(there) and not is_copy(picture, there):
+            finals = [final / SHARED / picture.name for final in self._finals]
+            present = [there for there in (*finals, place) if os.path.lexists(there)]
+            for there in present:
+                if not is_copy(picture, there):
                     raise AssetError(
                         f"needs {SHARED}/{picture.name}, and another file is there already",
                         where=str(interface),
@@ -73,7 +82,10 @@ class Packages:
                     )
             if not place.exists():
                 place.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(picture, place)
+                if present:
+                    link_or_copy(present[0], place)
+                else:
+                    shutil.copyfile(picture, place)
 
 
 @dataclass(frozen=True)
@@ -83,7 +95,9 @@ class Package:
     files: Mapping[Path, Path]
     """By their path within the package."""
     shared: tuple[Path, ...]
-    """Pictures in the folder that it shares with others."""
+    """Pictures in the folder that it shares with others, which it points to."""
+    linked: Mapping[Path, Path] = field(default_factory=dict)
+    """Pictures of its own, by their path within it, to those in that folder which they are."""
 
 
 def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
@@ -116,9 +130,26 @@ def _walked(interface: Path, source: Path) -> Package:
             expected=f"an asset whose files lie in its folder, its pictures there or in {SHARED}/",
             try_="copy that file beside the asset, and refer to it there",
         )
-    package = Package({file.relative_to(source): file for file in files}, tuple(sorted(shared)))
+    inner = {file.relative_to(source): file for file in files}
+    inner |= {file.relative_to(source): file for file in prop_beside(interface)}
+    linked = {name: source.parent / SHARED / name.name for name in inner}
+    linked = {name: picture for name, picture in linked.items() if _is_one(inner[name], picture)}
+    inner = {name: file for name, file in inner.items() if name not in linked}
+    package = Package(inner, tuple(sorted(shared)), linked)
     _keep(package, source)
     return package
+
+
+def prop_beside(interface: Path) -> list[Path]:
+    """The files of a package that its interface does not point to, and that are no links."""
+    folder = interface.parent
+    files = (folder / name for name in prop_files(interface.stem))
+    home = folder.resolve()
+    return [
+        file
+        for file in files
+        if file.is_file() and file.resolve() == home / file.relative_to(folder)
+    ]
 
 
 def _note(source: Path) -> Path | None:
@@ -138,9 +169,11 @@ def _kept(interface: Path, source: Path) -> Package | None:
             return None
         files = {Path(name): source / name for name in told["files"]}
         shared = tuple(source.parent / SHARED / name for name in told["shared"])
+        linked = {Path(name): source.parent / SHARED / Path(name).name for name in told["linked"]}
     except (OSError, ValueError, KeyError, TypeError):
         return None
-    return Package(files, shared) if all(map(Path.is_file, (*files.values(), *shared))) else None
+    needed = (*files.values(), *shared, *linked.values())
+    return Package(files, shared, linked) if all(map(Path.is_file, needed)) else None
 
 
 def _keep(package: Package, source: Path) -> None:
@@ -150,6 +183,7 @@ def _keep(package: Package, source: Path) -> None:
     told = {
         "files": [name.as_posix() for name in package.files],
         "shared": [picture.name for picture in package.shared],
+        "linked": [name.as_posix() for name in package.linked],
     }
     with suppress(OSError, ChordError):  # the cache is a convenience
         note.parent.mkdir(parents=True, exist_ok=True)
@@ -165,6 +199,30 @@ def _shared_pictures(files: Iterable[Path], folder: Path) -> set[Path]:
         for file in files
         if file.parent == folder and file.suffix.lower() in _PICTURES and not file.is_symlink()
     }
+
+
+def share_pictures(assets: Path) -> None:
+    """Let packages point to the pictures that they share, before they go into an archive, which
+    knows no links and would hold each of them many times."""
+    from pxr import Sdf, UsdUtils
+
+    there = {file.name for file in (assets / SHARED).glob("*")}
+    for name in (PAYLOAD_LAYER, JOINTED_LAYER):
+        for file in assets.glob(f"*/{PAYLOADS}/{name}"):
+            up = os.path.relpath(assets / SHARED, file.parent)
+            layer = Sdf.Layer.FindOrOpen(str(file))
+            UsdUtils.ModifyAssetPaths(
+                layer,
+                lambda path, up=up: f"{up}/{Path(path).name}" if Path(path).name in there else path,
+            )
+            layer.Save()
+
+
+def _is_one(file: Path, picture: Path) -> bool:
+    """Whether a picture of a package is one of those that packages share."""
+    if file.suffix.lower() not in _PICTURES or picture.is_symlink() or not picture.is_file():
+        return False
+    return file.samefile(picture) or is_copy(file, picture)
 
 
 def free_package(
