@@ -34,6 +34,10 @@ PARALLEL = OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --durations 4
 # Tests whose limits are so near that they need the machine for themselves.
 ALONE = $(shell grep -rl 'mark\.alone' tests)
 
+# Programs that exports are for, from npm.
+NODE := .venv/node
+READERS := gltf-validator@2.0.0-dev.3.10 three@0.187.0
+
 MINUTES ?= 30
 
 .PHONY: setup setup-dev house test test-tools acceptance acceptance-tools coverage lint train-next wheel extension clean
@@ -92,6 +96,8 @@ test: test-tools
 acceptance-tools: test-tools
 	@command -v slurmctld munged >/dev/null || $(call install,slurm-wlm munge)
 	@test -x .venv/deadline/bin/deadline || ($(PYTHON) -m venv .venv/deadline && .venv/deadline/bin/pip install --quiet deadline)
+	@test -d $(NODE)/node_modules/three || (mkdir -p $(NODE) && npm install --silent --prefix $(NODE) $(READERS)) \
+		|| echo "no npm: no program from there reads exports"
 
 acceptance: acceptance-tools
 	$(PARALLEL) --dist loadfile -m 'acceptance and not alone' tests
