@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from chord_usd.library.catalogue import designs
 from chord_usd.base.scene.palette import usual_mass_kg
+from chord_usd.library.catalogue import designs
 
 
 @pytest.mark.parametrize(
