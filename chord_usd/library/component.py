@@ -38,6 +38,7 @@ from chord_usd.library.component_prims import (
     define_mesh,
     detached,
     material_path,
+    mesh_name,
     new_stage,
     write_labels,
 )
@@ -114,10 +115,10 @@ def _write_payload(
     geometry = f"/{design.id}/Geometry"
     if opens(parts):
         # Of no component: what opens has the same meshes elsewhere.
-        _add_geometry(stage, SHAPES, parts)
+        _add_geometry(stage, SHAPES, design, parts)
         stage.GetPrimAtPath(SHAPES).SetSpecifier(Sdf.SpecifierClass)
     else:
-        _add_geometry(stage, geometry, parts)
+        _add_geometry(stage, geometry, design, parts)
     _add_materials(stage, design, parts, worn)
     _add_colliders(stage, design, parts)
     # The first set is the stronger one.
@@ -130,12 +131,12 @@ def _write_payload(
     layer.Export(str(folder / PAYLOAD_LAYER))
 
 
-def _add_geometry(stage: Usd.Stage, scope: str, parts: Iterable[Part]) -> None:
+def _add_geometry(stage: Usd.Stage, scope: str, design: Design, parts: Iterable[Part]) -> None:
     from pxr import UsdGeom
 
     UsdGeom.Scope.Define(stage, scope)
     for part in parts:
-        define_mesh(stage, f"{scope}/{part.name}", part)
+        define_mesh(stage, f"{scope}/{mesh_name(design, part.name)}", part)
 
 
 def _add_materials(
@@ -149,7 +150,7 @@ def _add_materials(
     for slot, looks in worn.items():
         define_material(stage, material_path(design.id, slot), looks)
     for part in parts:
-        prim = stage.OverridePrim(f"/{design.id}/Geometry/{part.name}")
+        prim = stage.OverridePrim(f"/{design.id}/Geometry/{mesh_name(design, part.name)}")
         material = UsdShade.Material.Get(stage, material_path(design.id, part.slot))
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(material)
 
@@ -174,7 +175,7 @@ def _add_colliders(stage: Usd.Stage, design: Design, parts: Iterable[Part]) -> N
             for name, bounds_m in part.felt_boxes_m().items()
         ]
         if part.collider not in ("boundingCube", None):
-            prim = stage.OverridePrim(f"/{design.id}/Geometry/{part.name}")
+            prim = stage.OverridePrim(f"/{design.id}/Geometry/{mesh_name(design, part.name)}")
             UsdPhysics.CollisionAPI.Apply(prim)
             mesh = UsdPhysics.MeshCollisionAPI.Apply(prim)
             mesh.CreateApproximationAttr(part.collider)

@@ -88,6 +88,12 @@ def _without_slivers(part: Part) -> Part:
     return replace(part, solid=Solid(solid.points_m, solid.faces[is_face]), uvs=uvs)
 
 
+def mesh_name(design: Design, part: str, link: str = "") -> str:
+    """Prim name of a part's mesh, which no other mesh of a house has: Blender numbers those that
+    are alike. link: name of the body that it moves with, where the piece is jointed."""
+    return "_".join(filter(None, (part, design.id, link)))
+
+
 def material_path(root: str, slot: str) -> str:
     """Prim path of a slot's material: `book_red` becomes `BookRed`."""
     return f"/{root}/Materials/{''.join(word.capitalize() for word in slot.split('_'))}"

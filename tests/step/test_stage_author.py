@@ -194,7 +194,7 @@ def test_each_room_has_one_light_at_its_centre_sized_to_it(
         staged_graph.rooms, stage.GetPrimAtPath("/House/Rooms").GetChildren(), strict=True
     ):
         (light,) = prim.GetChild("Lights").GetChildren()
-        assert light.GetName() == "AreaLight"
+        assert light.GetName() == f"AreaLight_{prim.GetName()}"
         panel = UsdLux.RectLight(light)
         matrix = UsdGeom.XformCache().GetLocalToWorldTransform(light)
         assert np.allclose(matrix.TransformDir(Gf.Vec3d(0, 0, -1)), (0, 0, -1))
@@ -265,6 +265,7 @@ def test_every_opening_is_a_labelled_prim_of_a_room_it_joins(
         assert room.GetAttribute("chord:node_id").Get() in opening.room_ids
         assert prim.GetAttribute("semantics:labels:category").Get() == [opening.kind]
         parts = {child.GetName() for child in prim.GetChildren()}
+        parts |= {name.removesuffix(f"_{room.GetName()}_{prim.GetName()}") for name in parts}
         if opening.id in walls.tunnels:
             expected = {
                 "door": {"Frame", "Leaf_0"},

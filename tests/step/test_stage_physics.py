@@ -94,7 +94,7 @@ def test_walls_stop_what_windows_and_doors_let_through(
 
 
 def test_window_boards_carry_what_stands_on_them(stage: Usd.Stage) -> None:
-    boards = [prim for prim in stage.Traverse() if prim.GetName() == "Board"]
+    boards = [prim for prim in stage.Traverse() if prim.GetName().startswith("Board_")]
     boards = [prim for prim in boards if "Window" in prim.GetParent().GetName()]
     assert boards
     for board in boards:

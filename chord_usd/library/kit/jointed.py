@@ -28,6 +28,7 @@ from chord_usd.library.component_prims import (
     define_mesh,
     detached,
     material_path,
+    mesh_name,
     new_stage,
 )
 from chord_usd.library.kit.links import BASE, Link, Piece, links_of
@@ -91,7 +92,9 @@ def _write_link(stage: Usd.Stage, design: Design, link: Link, parts: Sequence[Pa
     if link.reused:
         for part in parts:
             if part.name not in link.reused:
-                stage.OverridePrim(f"{path}/Geometry/{part.name}").SetActive(False)
+                stage.OverridePrim(f"{path}/Geometry/{mesh_name(design, part.name)}").SetActive(
+                    False
+                )
     for piece in link.pieces:
         _write_piece(stage, design, path, piece, at_m, is_new=piece.part.name not in link.reused)
     mass_kg = max(sum(_mass_kg(design, piece) for piece in link.pieces), _LEAST_KG)
@@ -106,7 +109,8 @@ def _write_piece(
     from pxr import UsdPhysics, UsdShade
 
     part = piece.part
-    path = f"{body}/Geometry/{part.name}"
+    link = body.rpartition("/")[2] if is_new else ""
+    path = f"{body}/Geometry/{mesh_name(design, part.name, link)}"
     if is_new:
         # Texture coordinates are those of the place where it is when shut.
         uvs = corner_uvs_m(part.solid, part.name) if part.uvs is None else part.uvs

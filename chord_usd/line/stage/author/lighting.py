@@ -250,11 +250,11 @@ class Lamp:
 
 
 def hang_light(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> Lamp:
-    """Write Lights/AreaLight of a room, its brightness left open."""
+    """Write the area light of a room, its brightness left open."""
     floor = walls.floors_m[room.index]
     panel = panel_for(floor)
     scope = define(layer, f"{room.path}/Lights", "Scope")
-    light = define(layer, scope.path.AppendChild("AreaLight"), "RectLight")
+    light = define(layer, scope.path.AppendChild(light_name("AreaLight", room.name)), "RectLight")
     place(light, at_m=(*panel.center_m, ROOM_HEIGHT_M - _BELOW_CEILING_M), yaw_deg=panel.yaw_deg)
     width, height = panel.size_m
     attribute(light, "inputs:width", Types.Float, width)
@@ -263,6 +263,11 @@ def hang_light(layer: Sdf.Layer, room: NamedRoom, walls: Walls) -> Lamp:
     by_window = any(tunnel.opening.kind == "window" for tunnel in walls.tunnels_of(room.room.id))
     radiance = _RADIANT_W_PER_M2 * floor.area / (math.pi * width * height)
     return Lamp(light.path, radiance, by_window)
+
+
+def light_name(lamp: str, room: str) -> str:
+    """Of a light's prim; no other light of the house has it."""
+    return f"{lamp}_{room}"
 
 
 def hang_lamps(layer: Sdf.Layer, room_path: str, folders: Sequence[Path]) -> list[Lamp]:
@@ -280,7 +285,7 @@ def hang_lamps(layer: Sdf.Layer, room_path: str, folders: Sequence[Path]) -> lis
                 continue
             names = str(spec.path.MakeRelativePath(group.path)).split("/")
             name = "_".join(name for name in names if name != "Items")
-            light = define(layer, f"{room}/Lights/{name}", "SphereLight")
+            light = define(layer, f"{room}/Lights/{light_name(name, room.name)}", "SphereLight")
             at_m = to_room @ np.array([*shining["at_m"], 1.0])
             place(light, at_m=[round(float(x), 4) for x in at_m[:3]])
             attribute(light, "inputs:radius", Types.Float, float(shining["radius_m"]))

@@ -18,7 +18,7 @@ from chord_usd.base.runtime.stages import open_layer, room_prims
 from chord_usd.base.scene.articulation import ARTICULATION, JOINTED
 from chord_usd.base.scene.states import OPENED, USUAL
 from chord_usd.base.scene.types import FloatArray, Provenance
-from chord_usd.line.stage.author.lighting import LIGHT_ROOTS, variants_of
+from chord_usd.line.stage.author.lighting import LIGHT_ROOTS, light_name, variants_of
 from chord_usd.line.stage.author.prims import Types, attribute, note, set_op_order
 from chord_usd.line.stage.check.check_openables import openables
 from chord_usd.line.stage.check.check_rules import NODE_ID
@@ -184,8 +184,9 @@ def _lights(room: Usd.Prim) -> Iterator[LightThere]:
                 lamps["_".join(step for step in steps if step != "Items")] = prim
     scope = room.GetChild("Lights")
     for light in scope.GetChildren() if scope else ():
-        lamp = lamps.get(light.GetName())
-        names = _names(light.GetPath(), room) | (_names(lamp.GetPath(), room) if lamp else set())
+        name = light.GetName().removesuffix(light_name("", room.GetName()))
+        lamp = lamps.get(name)
+        names = {name.lower()} | (_names(lamp.GetPath(), room) if lamp else set())
         category = str(lamp.GetAttribute(CATEGORY).Get()) if lamp else ""
         yield LightThere(light.GetPath(), frozenset(names), category, (room.GetName(),))
 

@@ -42,7 +42,14 @@ from chord_usd.line.stage.author.furniture import (
     place_dressing,
     place_furniture,
 )
-from chord_usd.line.stage.author.lighting import MOODS, forget, hang_lamps, shine, variants_of
+from chord_usd.line.stage.author.lighting import (
+    MOODS,
+    forget,
+    hang_lamps,
+    light_name,
+    shine,
+    variants_of,
+)
 from chord_usd.line.stage.author.names import NamedRoom, name_items
 from chord_usd.line.stage.author.prims import Types, attribute, note
 from chord_usd.line.stage.author.stage_levels import STOREY, room_spec
@@ -295,13 +302,18 @@ def _light_lamps(layer: Sdf.Layer, room: Sdf.Path, folders: Sequence[Path]) -> N
     if not scope or not variants:
         return
     gone = [one for one in scope.nameChildren if one.typeName == "SphereLight"]
-    given = {one.name: one.attributes[STATE].default for one in gone if STATE in one.attributes}
+    suffix = light_name("", room.name)  # which houses of earlier versions lack
+    given = {
+        one.name.removesuffix(suffix): one.attributes[STATE].default
+        for one in gone
+        if STATE in one.attributes
+    }
     forget(house, [one.path for one in gone])
     for name in [one.name for one in gone]:
         del scope.nameChildren[name]
     lamps = hang_lamps(layer, str(room), folders)
     for lamp in lamps:
-        state = given.get(lamp.path.name)
+        state = given.get(lamp.path.name.removesuffix(suffix))
         if state is not None:  # a lamp of this name keeps what somebody gave it
             give_light(layer.GetPrimAtPath(lamp.path), state, lamp.intensity)
     for time, variant in variants.items():

@@ -254,7 +254,9 @@ def _draw_part(
 ) -> None:
     looks = {"Wall": wall_material(room), "Floor": floor_material(room)}
     material = looks.get(part.surface, part.surface)
-    component.mesh(f"{parent}/{part.name}", part.faces, material, frame)
+    # No other mesh of the house has the name: Blender numbers those that are alike.
+    name = f"{part.name}_{room.name}_{parent.replace('/', '_')}"
+    component.mesh(f"{parent}/{name}", part.faces, material, frame)
 
 
 def _leaf_kind(opening: Opening, rooms: Sequence[NamedRoom], fitout: Fitout) -> LeafKind:

@@ -33,7 +33,7 @@ GRIPPER_M = 0.085
 
 LIFTED_KG = 3.0
 
-_HANDLE = re.compile("handle|rail|knob|grip", re.IGNORECASE)
+_HANDLE = re.compile("handle(?!less)|rail|knob|grip", re.IGNORECASE)
 _LEAST_TOP_M2, _LEVEL_M = 0.04, 0.004
 _MOST_MOVES = 20
 
