@@ -92,4 +92,6 @@ def _said_by(shader: UsdShade.Shader) -> Iterator[tuple[str, str]]:
             yield from _said_by(source)
         elif not (wire.GetBaseName() == "normal" and wire.Get() == (0.0, 0.0, 1.0)):
             value = wire.Get()
-            yield name, str(getattr(value, "resolvedPath", value))
+            if isinstance(value, Sdf.AssetPath):  # of all names of a file, one
+                value = Path(value.resolvedPath).stat().st_ino
+            yield name, str(value)
