@@ -112,7 +112,9 @@ def gone(stage: Usd.Stage) -> None:
         room for room in stage.GetPrimAtPath("/House/Rooms/Storey_0").GetChildren()
         if room.GetName().startswith("Stairs")
     )  # fmt: skip
-    steps = shaft.GetPath().AppendPath("Architecture/Geometry/Stair_0/Steps")
+    steps = f"Architecture/Geometry/Stair_0/Steps_{shaft.GetName()}_Stair_0"
+    steps = shaft.GetPath().AppendPath(steps)
+    assert stage.GetPrimAtPath(steps)
     stage.OverridePrim(steps).SetActive(False)
 
 

@@ -245,7 +245,7 @@ def _draw_placeholder(interface: Path) -> None:
     define(payload, root.AppendChild("Geometry"), "Scope")
     define(payload, root.AppendChild("Materials"), "Scope")
     material = root.AppendPath(f"Materials/{PLACEHOLDER}")
-    write_surface(payload, material, PLAIN_SURFACES[PLACEHOLDER])
+    write_surface(payload, material, PLACEHOLDER, PLAIN_SURFACES[PLACEHOLDER])
     prim = write_mesh(payload, root.AppendPath("Geometry/Box"), mesh)
     bind(prim, material)
     define_colliders(payload, root.AppendChild("Colliders"))

@@ -76,12 +76,12 @@ def fitout(style: HomeStyle, home: Agreed) -> Fitout:
     return Fitout({**PLAIN_SURFACES, **coloured, **levers}, style.doors)
 
 
-def write_surface(layer: Sdf.Layer, path: Sdf.Path, surface: Surface) -> None:
-    """A material that looks like this surface."""
+def write_surface(layer: Sdf.Layer, path: Sdf.Path, name: str, surface: Surface) -> None:
+    """A material that looks like this surface. name: of its row."""
     material = define(layer, path, "Material")
-    label(material, "material", path.name)
+    label(material, "material", name)
     shade(layer, material, surface)
-    write_feel(material, FEEL_OF_SURFACE[path.name])
+    write_feel(material, FEEL_OF_SURFACE[name])
 
 
 def shade(layer: Sdf.Layer, material: Sdf.PrimSpec, surface: Surface) -> None:

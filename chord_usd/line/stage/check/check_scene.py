@@ -203,7 +203,7 @@ class _Reader:
             elif _text(part, CATEGORY) in _KINDS:
                 self._read_opening(part)
                 self.by_stairs += [self.openings[-1].id] if shaft else []
-            elif name == "Ceiling":
+            elif name.startswith("Ceiling"):
                 self.ceilings.append(self._body(part))
             elif shaft:
                 self.fixed.append(self._body(part))

@@ -97,7 +97,7 @@ def _draw_room(
     fitout: Fitout,
 ) -> FloatArray:  # fmt: skip
     walls, rooms = level.walls, level.rooms
-    component = ShellComponent(folder / f"{room.name}.usdc", "Architecture", fitout)
+    component = ShellComponent(folder / f"{room.name}.usdc", "Architecture", fitout, room.name)
     floor = walls.floors_m[room.index]
     lines = walls.lines_of(room.index)
     _draw_floor_and_ceiling(component, room, floor, level, above)
@@ -254,9 +254,7 @@ def _draw_part(
 ) -> None:
     looks = {"Wall": wall_material(room), "Floor": floor_material(room)}
     material = looks.get(part.surface, part.surface)
-    # No other mesh of the house has the name: Blender numbers those that are alike.
-    name = f"{part.name}_{room.name}_{parent.replace('/', '_')}"
-    component.mesh(f"{parent}/{name}", part.faces, material, frame)
+    component.mesh(f"{parent}/{part.name}", part.faces, material, frame)
 
 
 def _leaf_kind(opening: Opening, rooms: Sequence[NamedRoom], fitout: Fitout) -> LeafKind:
@@ -308,7 +306,7 @@ def _draw_exterior(
 ) -> FloatArray:
     """Facade and wall tops: daylight comes in through windows only, cut walls look solid."""
     walls, name = level.walls, level.group or "Exterior"
-    component = ShellComponent(folder / f"{name}.usdc", name, fitout)
+    component = ShellComponent(folder / f"{name}.usdc", name, fitout, level.group)
     facade = wall_faces(walls.lines_of(None))
     component.mesh("Facade", facade, "Facade")
     if facade:

@@ -41,10 +41,16 @@ from chord_usd.line.stage.shell.window_parts import Sash
 
 
 class ShellComponent:
-    """A payload layer being written: meshes under Geometry, materials under Materials."""
+    """A payload layer being written: meshes under Geometry, materials under Materials.
 
-    def __init__(self, path: Path, name: str, fitout: Fitout) -> None:
+    No others of the house have their names, which end in that of the room and of the groups above:
+    Blender numbers those that are alike.
+    """
+
+    def __init__(self, path: Path, name: str, fitout: Fitout, owner: str = "") -> None:
+        """owner: name of the room or storey whose component this is, where there are others."""
         self.fitout = fitout
+        self._owner = owner
         self.file = f"./{path.parent.name}/{path.name}"
         """The layer's path as the house writes it."""
         self.extents_m: list[FloatArray] = []
@@ -75,7 +81,10 @@ class ShellComponent:
         mesh = mesh_of(faces)
         if mesh.is_empty:
             return
-        prim = write_mesh(self._layer, self._root.AppendPath(f"Geometry/{name}"), mesh)
+        *groups, part = name.split("/")
+        own = "_".join(filter(None, (part, self._owner, *groups)))
+        path = self._root.AppendPath("/".join(("Geometry", *groups, own)))
+        prim = write_mesh(self._layer, path, mesh)
         bind(prim, self._material(material))
         points = frame.in_world(mesh.points_m) if frame else mesh.points_m
         self.extents_m.append(np.array([points.min(axis=0), points.max(axis=0)]))
@@ -116,10 +125,12 @@ class ShellComponent:
         hang_leaf(self._layer, leaf, hinge_m, box, limits_deg, own, kg_per_m2)
 
     def _material(self, name: str) -> Sdf.Path:
-        path = self._root.AppendPath(f"Materials/{name}")
+        is_room = name not in self.fitout.surfaces
+        own = name if is_room or not self._owner else f"{name}_{self._owner}"
+        path = self._root.AppendPath(f"Materials/{own}")
         if not self._layer.GetPrimAtPath(path):
-            if name in self.fitout.surfaces:
-                write_surface(self._layer, path, self.fitout.surfaces[name])
+            if not is_room:
+                write_surface(self._layer, path, name, self.fitout.surfaces[name])
             else:  # the room's variant sets say what it looks like
                 plain = "PlainFloor" if name.endswith(FLOOR) else "PlainWall"
                 write_feel(define(self._layer, path, "Material"), FEEL_OF_SURFACE[plain])
