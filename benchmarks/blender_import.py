@@ -6,6 +6,7 @@ python benchmarks/blender_import.py house.usda
 from __future__ import annotations
 
 import json
+import re
 import resource
 import sys
 import time
@@ -14,6 +15,9 @@ from typing import Any
 
 import bpy
 import numpy as np
+
+
+_NUMBERED = re.compile(r"\.\d{3,}$")
 
 
 def main() -> None:
@@ -30,6 +34,7 @@ def main() -> None:
         "grown_mib": _resident_mib() - before,
         "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
         **_shown(),
+        **_names(),
     }
     sys.stdout.write(f"RESULT{json.dumps(told)}\n")
 
@@ -51,6 +56,15 @@ def _shown() -> dict[str, Any]:
         world = corners[mesh.data.name] @ matrix[:3, :3].T + matrix[:3, 3]
         low, high = np.minimum(low, world.min(axis=0)), np.maximum(high, world.max(axis=0))
     return {"meshes": count, "low_m": low.tolist(), "high_m": high.tolist()}
+
+
+def _names() -> dict[str, int]:
+    """How many names Blender gave, and how many end in a number since another has them; without
+    the collections `proto`, which are its own."""
+    kinds = ("objects", "meshes", "materials", "lights", "cameras", "collections", "images")
+    names = [one.name for kind in kinds for one in getattr(bpy.data, kind)]
+    names = [name for name in names if not name.startswith("proto")]
+    return {"names": len(names), "numbered": sum(bool(_NUMBERED.search(name)) for name in names)}
 
 
 def _resident_mib() -> float:
