@@ -121,10 +121,7 @@ def test_a_tile_is_the_same_pixels_as_in_the_whole(
 def test_a_merged_picture_has_its_annotations(merged: Path) -> None:
     sidecar = json.loads((merged / "Bedroom_0.json").read_text())
     assert sidecar["camera"]["width_px"] == 32
-    assert {thing["path"].rsplit("/", 1)[1] for thing in sidecar["instances"]} >= {
-        "Bed",
-        "Floor_Bedroom_0",
-    }
+    assert {thing["path"].rsplit("/", 1)[1] for thing in sidecar["instances"]} >= {"Bed", "Floor"}
     assert len(json.loads((merged / "coco.json").read_text())["images"]) == 1
 
 

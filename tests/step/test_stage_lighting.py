@@ -142,7 +142,8 @@ def test_lamps_shine_where_they_stand_but_not_by_day(
     stage = Usd.Stage.Open(str(path))
     (light,) = [prim for prim in stage.Traverse() if prim.IsA(UsdLux.SphereLight)]
     assert light.GetParent().GetName() == "Lights"
-    assert light.GetName().endswith("TableLamp_0")
+    room = light.GetParent().GetParent()
+    assert light.GetName().endswith(f"TableLamp_0_{room.GetName()}")
     intensity = UsdLux.SphereLight(light).GetIntensityAttr()
     assert intensity.Get() == 0.0
     for time in ("evening", "night"):

@@ -186,7 +186,9 @@ def _lights(room: Usd.Prim) -> Iterator[LightThere]:
     for light in scope.GetChildren() if scope else ():
         name = light.GetName().removesuffix(light_name("", room.GetName()))
         lamp = lamps.get(name)
-        names = {name.lower()} | (_names(lamp.GetPath(), room) if lamp else set())
+        names = {name.lower(), light.GetName().lower()} | (
+            _names(lamp.GetPath(), room) if lamp else set()
+        )
         category = str(lamp.GetAttribute(CATEGORY).Get()) if lamp else ""
         yield LightThere(light.GetPath(), frozenset(names), category, (room.GetName(),))
 
