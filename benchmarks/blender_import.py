@@ -16,7 +16,6 @@ from typing import Any
 import bpy
 import numpy as np
 
-
 _NUMBERED = re.compile(r"\.\d{3,}$")
 
 
