@@ -17,6 +17,7 @@ from chord_usd.base.scene.geometry import (
     front_direction,
     gaps,
     room_polygon,
+    room_sides,
     seams,
     to_own,
 )
@@ -26,6 +27,7 @@ from chord_usd.base.scene.types import (
     WALL_THICKNESS_M,
     BoolArray,
     Box,
+    FloatArray,
     Item,
     Opening,
     Room,
@@ -183,6 +185,33 @@ def _passage_along(line: shapely.LineString, ids: tuple[str, str]) -> Opening:
     yaw_deg = float(np.degrees(np.arctan2(*(end - start)[::-1])))
     box = Box((x_m, y_m, 0.0), (line.length, TOUCH_M, _BORDER_HEIGHT_M), yaw_deg)
     return Opening(f"{ids[0]}_{ids[1].rsplit('/', 1)[-1]}", "passage", box, ids)
+
+
+@lru_cache(maxsize=256)  # drafts of a house ask for the same rooms again and again
+def solid_sides(room: Room, gaps: tuple[Opening, ...]) -> FloatArray:
+    """(W, 2, 2) the sides of a room without the spans of passages and open borders, metres."""
+    found = []
+    for start, end in room_sides(room):
+        length = float(np.hypot(*(end - start)))
+        if length < 1e-6:
+            continue
+        along = (end - start) / length
+        left = [(0.0, length)]
+        for gap in gaps:
+            ahead = np.array(gap.box.center_m[:2]) - start
+            turn = np.radians(gap.box.yaw_deg)
+            is_along = abs(along @ (np.cos(turn), np.sin(turn))) > 0.9
+            away = abs(float(ahead @ (-along[1], along[0])))
+            if is_along and away < gap.box.size_m[1] / 2 + PROBE_M:
+                s, half = float(ahead @ along), gap.box.size_m[0] / 2
+                left = [
+                    (low, high)
+                    for a, b in left
+                    for low, high in ((a, min(b, s - half)), (max(a, s + half), b))
+                    if high - low > 1e-3
+                ]
+        found += [(start + along * a, start + along * b) for a, b in left]
+    return np.array(found).reshape(-1, 2, 2)
 
 
 def clearances(rooms: Sequence[Room], openings: Sequence[Opening]) -> Iterator[ClearFloor]:

@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 import shapely
 
+from chord_usd.base.metrics.clear_floor import open_borders, solid_sides
 from chord_usd.base.metrics.footprints import PolygonArray
 from chord_usd.base.metrics.fronts import shut_fronts
 from chord_usd.base.metrics.rooms import is_studio
@@ -43,6 +44,10 @@ class Essential:
 
     name: str
     categories: frozenset[str]
+
+
+Side = FloatArray | tuple[FloatArray, FloatArray]
+"""Start and end of a side of a room, (2,) metres each."""
 
 
 def _one(name: str, *categories: str) -> Essential:
@@ -204,6 +209,8 @@ class _House:
         self.shapes: PolygonArray = np.atleast_1d(shapely.polygons(corners))
         self._index = {id(item): index for index, item in enumerate(graph.items)}
         self._shut = shut_fronts(graph)
+        passages = (one for one in graph.openings if one.kind == "passage")
+        self._gaps = (*passages, *open_borders(graph.rooms, graph.openings))
 
     def shape(self, item: Item) -> shapely.Polygon:
         shape: shapely.Polygon = self.shapes[self._index[id(item)]]
@@ -225,12 +232,13 @@ class _House:
 
     def misplaced(self, room: Room) -> tuple[Misplaced, ...]:
         """What stands wrongly in a room, in the order of its pieces."""
-        sides = room_sides(room)
+        sides, walls = room_sides(room), [*solid_sides(room, self._gaps)]
         own = [item for item in self.items if item.room_id == room.id]
         apart = {min(one.id, other.id) for one, other, _ in unit_gaps(own, room_polygon(room))}
         found = []
         for item in own:
-            faults = [*self._faults(item, room.kind, sides)]
+            is_unit = item.category in KITCHEN_UNITS  # runs end at open borders
+            faults = [*self._faults(item, room.kind, sides if is_unit else walls)]
             if item.id in apart:
                 faults.append("apart from its run")
             if item.id in self._shut:
@@ -239,7 +247,10 @@ class _House:
         return tuple(found)
 
     def _faults(
-        self, item: Item, kind: RoomKind, sides: Sequence[tuple[FloatArray, FloatArray]]
+        self,
+        item: Item,
+        kind: RoomKind,
+        sides: Sequence[Side],
     ) -> Iterator[Fault | None]:
         if is_undersized(item):
             yield UNDERSIZED
@@ -255,7 +266,7 @@ class _House:
             if not any(_faces(item, _middle(seat), TELEVISION_DEG) for seat in seats):
                 yield "facing no seat"
 
-    def _in_island(self, item: Item, sides: Sequence[tuple[FloatArray, FloatArray]]) -> bool:
+    def _in_island(self, item: Item, sides: Sequence[Side]) -> bool:
         """Whether a kitchen unit stands where one walks all round it."""
         lines = shapely.linestrings([np.stack(side) for side in sides])
         return item.category in KITCHEN_UNITS and bool(
@@ -283,7 +294,7 @@ class _House:
         return None if ahead else "turned away"
 
 
-def has_back_to_wall(item: Item, sides: Iterable[tuple[FloatArray, FloatArray]]) -> bool:
+def has_back_to_wall(item: Item, sides: Iterable[Side]) -> bool:
     """Whether an item's back is at one of these walls, and parallel to it.
 
     sides: start and end of each, (2,) metres; those shorter than LEAST_WALL_M count for none.

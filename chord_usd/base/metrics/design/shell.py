@@ -16,6 +16,7 @@ from chord_usd.base.metrics.clear_floor import (
     WINDOW_CLEARANCE_M,
     open_borders,
     sides_of,
+    solid_sides,
 )
 from chord_usd.base.metrics.rooms import mixed_kind
 from chord_usd.base.scene.geometry import room_polygon, room_sides
@@ -290,8 +291,8 @@ def shells(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> dict[str, 
         room.id: Shell(
             room,
             areas[room.id],
-            _solid(room, [*(one for one in openings if one.kind == "passage"),
-                          *borders[room.id]]),
+            solid_sides(room, (*(one for one in openings if one.kind == "passage"),
+                               *borders[room.id])),
             tuple(holes[room.id]),
             np.array(room_sides(room)),
             room.id in largest,
@@ -325,29 +326,3 @@ def inside(points: FloatArray, polygon: FloatArray) -> BoolArray:
     at = start[:, 0] + (y - start[:, 1]) / rise * (end[:, 0] - start[:, 0])
     odd: BoolArray = (spans & (x < at)).sum(axis=1) % 2 == 1
     return odd
-
-
-def _solid(room: Room, gaps: Sequence[Opening]) -> FloatArray:
-    """(W, 2, 2) the sides of a room without the spans of passages and open borders."""
-    found = []
-    for start, end in room_sides(room):
-        length = float(np.hypot(*(end - start)))
-        if length < 1e-6:
-            continue
-        along = (end - start) / length
-        left = [(0.0, length)]
-        for gap in gaps:
-            ahead = np.array(gap.box.center_m[:2]) - start
-            turn = np.radians(gap.box.yaw_deg)
-            is_along = abs(along @ (np.cos(turn), np.sin(turn))) > 0.9
-            away = abs(float(ahead @ (-along[1], along[0])))
-            if is_along and away < gap.box.size_m[1] / 2 + _REACH_M:
-                s, half = float(ahead @ along), gap.box.size_m[0] / 2
-                left = [
-                    (low, high)
-                    for a, b in left
-                    for low, high in ((a, min(b, s - half)), (max(a, s + half), b))
-                    if high - low > 1e-3
-                ]
-        found += [(start + along * a, start + along * b) for a, b in left]
-    return np.array(found).reshape(-1, 2, 2)
