@@ -300,6 +300,33 @@ def test_a_front_door_and_many_ways_make_a_hall_and_no_dining_room():
     assert uses_of_home(floors(seen, areas, told, floor0=busy), True)[0].kind == "corridor"
 
 
+@pytest.mark.parametrize(
+    ("areas", "rooms"),
+    [
+        # The hall of cubicasa_lines_10004: five ways cross its 5.4 square metres.
+        ([5.4, 13.0], ({"ways": 5}, {"ways": 2})),
+        # A closet of cubicasa_lines_1000, into which no way was seen.
+        ([2.5, 12.9], ({"ways": 0}, {"ways": 3})),
+    ],
+)
+def test_a_kitchen_has_a_way_in_and_place_beside_its_ways(areas, rooms):
+    seen = chances(small={"kitchen": 0.4, "bathroom": 0.2}, other={"living": 0.4, "kitchen": 0.25},
+                   bed={}, bath={}, seat={})  # fmt: skip
+    told = ["unknown", "unknown", "bedroom", "bathroom", "living"]
+    some = floors(seen, [*areas, 12.0, 4.0, 20.0], told, floor0=rooms[0], floor1=rooms[1])
+    quiet = floors(seen, [*areas, 12.0, 4.0, 20.0], told, floor0={"ways": 1}, floor1={"ways": 1})
+    assert [one.kind for one in uses_of_home(quiet, True)].index("kitchen") == 0
+    assert [one.kind for one in uses_of_home(some, True)].index("kitchen") == 1
+
+
+def test_one_floor_may_be_lived_slept_and_cooked_in():
+    """The studio of cubicasa_lines_10010 had a bedroom and no kitchen."""
+    seen = chances(large={"bedroom": 0.75, "living": 0.2, "kitchen": 0.04}, bath={"bathroom": 0.8})
+    entered = {"drawn_m2": {"bedroom": 18.0}, "is_outer": True, "ways": 3}
+    rows = floors(seen, [18.6, 2.6], ["unknown"] * 2, floor0=entered)
+    assert {"living", "kitchen", "bedroom"} <= uses_of_home(rows, True)[0].all
+
+
 def test_one_enters_a_hall_and_not_a_store():
     seen = chances(entered={"store": 0.6, "corridor": 0.3}, bed={"bedroom": 0.9}, bath={})
     told = ["unknown", "bedroom", "bathroom"]

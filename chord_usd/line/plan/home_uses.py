@@ -14,6 +14,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import combinations
 
 from shapely.geometry import Point, Polygon
 
@@ -77,6 +78,12 @@ _MOST_WAYS = 4
 """...and none but a living room: nats of each further one, a front door included."""
 _HALL_CHANCE, _MOST_HALL = 0.2, 0.6
 """Least chance of a hall, for each further one, and in all."""
+_SHUT_NATS = 1.5
+"""Nats of a kitchen into which no way is seen: a closet with a door that was missed."""
+_WAY_M2, _PASSED, _PASSED_NATS = 0.8, 0.6, 1.5
+"""Floor that a way keeps free; from this share of a floor on it has no place for what rooms hold;
+nats of a room to furnish there."""
+_FURNISHED: frozenset[RoomKind] = frozenset({"kitchen", "dining", "bedroom", "living", "study"})
 _ENTERED: frozenset[RoomKind] = frozenset({"corridor", "living", "kitchen", "dining"})
 """What a front door leads into."""
 _WINDOWLESS: dict[RoomKind, float] = {"living": 0.7, "bedroom": 0.7, "kitchen": 0.3}
@@ -207,12 +214,16 @@ def _options(
         further = (floor.named - {kind}) if can_share(kind) else frozenset()
         plain = Uses(kind, frozenset(further), round(chance if kind != "unknown" else 0.0, 2))
         yield nats - _unexplained(floor, plain) + _drawn(floor, plain), plain
-        for use in ("kitchen", "bedroom"):
-            if (kind, use) not in _HOSTS or use in plain.all or use in banned or not is_home:
-                continue
-            cost = _hosting(floor, kind, use)
-            if cost is not None:
-                shared = Uses(kind, plain.further | {use}, plain.chance)
+        guests = {
+            use: cost
+            for use in ("kitchen", "bedroom")
+            if (kind, use) in _HOSTS and use not in plain.all and use not in banned and is_home
+            and (cost := _hosting(floor, kind, use)) is not None
+        }  # fmt: skip
+        for number in range(len(guests)):
+            for some in combinations(guests, number + 1):
+                shared = Uses(kind, plain.further.union(some), plain.chance)
+                cost = sum(guests[use] for use in some)
                 yield nats - cost - _unexplained(floor, shared) + _drawn(floor, shared), shared
 
 
@@ -275,6 +286,10 @@ def _speaks_against(floor: Floor, kind: RoomKind) -> float:
         nats += _HALL_NATS
     if kind not in ("corridor", "living", "unknown"):
         nats += _HALL_NATS * floor.crossings
+    if kind == "kitchen" and not floor.ways and not floor.is_outer and floor.area_m2:
+        nats += _SHUT_NATS
+    if kind in _FURNISHED and floor.area_m2 and floor.ways * _WAY_M2 > _PASSED * floor.area_m2:
+        nats += _PASSED_NATS
     return nats
 
 
