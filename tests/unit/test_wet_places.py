@@ -87,6 +87,12 @@ def test_a_room_that_holds_nothing_that_fits_stays_as_it_is() -> None:
     assert not list(composed(view_of("bathroom", (0.7, 0.9))))
 
 
+def test_a_shower_comes_rather_than_a_washing_machine() -> None:
+    made = planned(view_of("bathroom", (1.3, 2.2), "toilet", "washbasin", "washing_machine"))
+    assert "shower" in made.categories
+    assert "washing_machine" not in made.categories
+
+
 def test_a_piece_that_somebody_placed_stays() -> None:
     crowded = view_of("bathroom", (2.2, 2.8), "toilet", "washbasin", "bathtub")
     tub = crowded.items[2].found(locked=True)

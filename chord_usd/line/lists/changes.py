@@ -4,7 +4,7 @@ need, pairs of bedside tables, showers that one can stand in, seats that face th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from chord_usd.base.metrics.complete import WALLED
@@ -77,6 +77,11 @@ def but(view: View, numbers: Sequence[int]) -> tuple[Item, ...]:
     return tuple(item for at, item in enumerate(view.items) if at not in numbers)
 
 
+def loose(view: View, numbers: Iterable[int]) -> list[int]:
+    """Those of some pieces that the plan does not show: these may move and go."""
+    return [at for at in numbers if not view.items[at].facts.locked]
+
+
 def with_box(view: View, at: int, box: Box) -> Change:
     items = list(view.items)
     items[at] = replace(items[at], box=box)
@@ -104,7 +109,7 @@ def _bedsides(view: View) -> Iterator[Change]:
         tables = bedside(view, bed)
         sizes = [view.items[at].box.size_m for at in tables] or [(0.45, 0.4, 0.5)]
         box = view.items[bed].box
-        rest = but(view, tables)
+        rest = but(view, loose(view, tables))
         for size in (*sizes, (0.4, 0.4, 0.5)):
             pair = beside_bed(view, box, size)
             yield (*rest, *pair)
@@ -140,14 +145,16 @@ def _basin(view: View) -> Iterator[Change]:
             yield from (with_box(view, at, one) for one in grown(box, length, box.size_m[1]))
 
 
-def _longest_sofa(view: View) -> int | None:
-    """Number of the sofa that others are arranged about."""
-    return max(view.of("sofa"), key=lambda at: view.length[at], default=None)
+def longest_sofa(view: View) -> int | None:
+    """Number of the sofa that others are arranged about: the longest, of those that the plan shows
+    if it shows any."""
+    sofas = view.of("sofa")
+    return max(sofas, key=lambda at: (view.items[at].facts.locked, view.length[at]), default=None)
 
 
 def _coffee_table(view: View) -> Iterator[Change]:
     """The table before the middle of the sofa, in easy reach."""
-    sofa, tables = _longest_sofa(view), view.of("coffee_table")
+    sofa, tables = longest_sofa(view), view.of("coffee_table")
     if sofa is None:
         return
     box = view.items[sofa].box
@@ -163,7 +170,7 @@ def _coffee_table(view: View) -> Iterator[Change]:
 
 def _armchairs(view: View) -> Iterator[Change]:
     """Armchairs at both ends of the coffee table, turned to it."""
-    sofa, tables = _longest_sofa(view), view.of("coffee_table")
+    sofa, tables = longest_sofa(view), view.of("coffee_table")
     if sofa is None:
         return
     box = view.items[sofa].box
@@ -172,7 +179,7 @@ def _armchairs(view: View) -> Iterator[Change]:
     chairs = view.of("single_sofa", "leisure_sofa")
     size = view.items[chairs[0]].box.size_m if chairs else (0.8, 0.8, 0.85)
     category = view.categories[chairs[0]] if chairs else "single_sofa"
-    rest = but(view, chairs)
+    rest = but(view, loose(view, chairs))
     reach = max(float(view.length[sofa]), float(view.length[focus])) / 2 + size[1] / 2
     seats = []
     for nth, side in enumerate((-1, 1)):

@@ -19,7 +19,8 @@ from chord_usd.base.places.wall_frames import WallFrame
 from chord_usd.base.scene.geometry import front_direction, to_world
 from chord_usd.base.scene.types import Box, Item
 from chord_usd.base.scene.units import wrap_deg
-from chord_usd.line.lists.changes import Change, Propose, at_walls, but, new_piece
+from chord_usd.line.lists.changes import Change, Propose, Size, at_walls, but, loose, new_piece
+from chord_usd.line.lists.improve import free_of_clashes
 
 DEPTH_M, HEIGHT_M = 0.8, 0.75
 CHAIR_M = (0.45, 0.5, 0.9)
@@ -95,9 +96,9 @@ def laid_table(view: View, seats: int, table: int | None = None) -> Iterator[Cha
 
 def laid_instead(view: View, seats: int) -> Iterator[Change]:
     """A table in place of what a room can do without: a desk, loose seats, side tables."""
-    loose = [at for at in view.of(*_LOOSE) if not view.items[at].facts.locked]
-    if loose:
-        yield from laid_table(View(view.shell, but(view, loose), view.hung), seats)
+    spare = loose(view, view.of(*_LOOSE))
+    if spare:
+        yield from laid_table(View(view.shell, but(view, spare), view.hung), seats)
 
 
 def more_chairs(view: View, seats: int) -> Iterator[Change]:
@@ -105,7 +106,11 @@ def more_chairs(view: View, seats: int) -> Iterator[Change]:
     for table in view.of("dining_table")[:1]:
         chairs = chairs_of(view, table)
         size = view.items[chairs[0]].box.size_m if chairs else CHAIR_M
-        rest, item = but(view, [table, *chairs]), view.items[table]
+        item = view.items[table]
+        if item.facts.locked:
+            yield from _more_at(view, table, seats, size)
+            continue
+        rest = but(view, [table, *chairs])
         for front, length, turn in product((1, 2, 3), (None, 1.4, 2.05), (0.0, 90.0)):
             top = _sized(item.box, length, turn)
             if front * 0.6 > top.size_m[0] or (length is None and turn):
@@ -114,6 +119,20 @@ def more_chairs(view: View, seats: int) -> Iterator[Change]:
                 if sum(counts) >= seats:
                     yield (*rest, replace(item, box=top),
                            *round_table(top, counts, size, view.shell.room.id))  # fmt: skip
+
+
+def _more_at(view: View, table: int, seats: int, size: Size) -> Iterator[Change]:
+    """Chairs at a table that the plan shows: as many as are wanted and find a place, at least two;
+    of the chairs those that it shows stay."""
+    rest, item = but(view, loose(view, chairs_of(view, table))), view.items[table]
+    there = len(chairs_of(View(view.shell, rest, view.hung), rest.index(item)))
+    for front in (3, 2, 1, 0):
+        for counts in _layouts(front):
+            if front * 0.6 <= item.box.size_m[0] and 2 <= there + sum(counts) <= max(seats, 2):
+                new = list(round_table(item.box, counts, size, view.shell.room.id))
+                free = free_of_clashes(view, [(*rest, chair) for chair in new])
+                if len(free) >= 2 - there:
+                    yield (*rest, *(items[-1] for items in free))
 
 
 def composed_around(view: View, propose: Propose, compose: Compose) -> Iterator[Change]:

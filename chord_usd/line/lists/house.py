@@ -12,7 +12,8 @@ from chord_usd.base.metrics.complete import ESSENTIALS, lacking
 from chord_usd.base.metrics.design import ROOM_RULES
 from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.scene.geometry import room_polygon
-from chord_usd.base.scene.types import Item, Plan, Room, RoomKind, SceneGraph
+from chord_usd.base.scene.palette import having
+from chord_usd.base.scene.types import WET_KINDS, Item, Plan, Room, RoomKind, SceneGraph
 from chord_usd.line.lists.home_programme import Programme, programme_of, toilets_elsewhere
 from chord_usd.line.lists.list_sampler import HEAT, Drawer, Drawn, Heat, Subject, without
 from chord_usd.line.lists.pieces import (
@@ -195,7 +196,16 @@ def _subject(room: Room, around: Around, asked: Asked) -> Subject:
 
 def _foreign(kind: RoomKind, around: Around) -> set[str]:
     """Categories that stand in no room of this kind. A garage as large as a living room would be
-    furnished as one, and networks know all wet rooms as bathrooms."""
+    furnished as one, and networks know all wet rooms as bathrooms.
+
+    In a room of unknown kind is no plumbing that a room of its home is for: networks take a closet
+    for a WC.
+    """
+    kinds = {*around.kinds_of_home}
+    if kind == "unknown":
+        units = having("kitchen_unit")
+        wet = having("fixture") - units if kinds.intersection(WET_KINDS) else set()
+        return {*wet, *(units if "kitchen" in kinds else ())}
     mixed = mixed_kind(around.kinds_of_home)
     return {name for name in PIECES.categories if not stands_in(name, kind, mixed)}
 

@@ -31,6 +31,8 @@ from chord_usd.line.lists.changes import (
     at_walls,
     beside_bed,
     but,
+    longest_sofa,
+    loose,
     new_piece,
 )
 from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
@@ -51,6 +53,8 @@ _COFFEE_M = (0.9, 0.55, 0.42)
 _SOFA_M = (2.2, 0.9, 0.85)
 _SOFAS_M = (2.25, 1.7)
 """Lengths of sofas beside the one that is there."""
+_BEDS_M = ((1.6, 2.0, 0.5), (1.4, 2.0, 0.5), (0.9, 2.0, 0.5))
+"""A first bed."""
 _SIDEBOARDS = ("dining_cabinet", "side_coffee_table")
 _SPARE = (*_SIDEBOARDS, "table", "chair")
 """What a room that is slept in can do without before it does without sofa, bed and television."""
@@ -71,7 +75,7 @@ def changes_of(view: View) -> list[Propose]:
     chairs: list[Propose] = [seats] if view.of("dining_table") else []
     changes: list[Propose] = [*wet, *BY_KIND.get(view.shell.kind, ())]
     if view.shell.kind == "bedroom":
-        changes += [longer_wardrobe, another_wardrobe]
+        changes += [bed_instead, longer_wardrobe, another_wardrobe]
     elif view.of("bed"):
         changes += [*BY_KIND["bedroom"], longer_wardrobe, another_wardrobe]
     last: Mapping[str, Sequence[Propose]] = {
@@ -138,6 +142,22 @@ def _bed(view: View, at: int) -> Iterator[Change]:
             yield (*bare, bed, *pair, one)
 
 
+def bed_instead(view: View) -> Iterator[Change]:
+    """A first bed at each wall, without the pieces that stand there or could not be used then."""
+    if view.of("bed"):
+        return
+    # Tables of a bed that found no place come to this one later.
+    others = but(view, loose(view, view.of("bedside_table", "bed_background")))
+    for size in _BEDS_M:
+        beds = [new_piece(view, "bed", box) for box in at_walls(view, size)]
+        alone = [bed for (bed,) in free_of_clashes(view, [(bed,) for bed in beds])]
+        pairs = [(item, bed) for bed in alone for item in others]
+        free = {(id(item), id(bed)) for item, bed in free_of_clashes(view, pairs)}
+        for bed in alone:
+            rest = tuple(item for item in others if (id(item), id(bed)) in free)
+            yield (*rest, bed)
+
+
 def sofa_groups(view: View) -> Iterator[Change]:
     """The sofa, or a first one, at each wall or before a television: the table before it, armchairs
     beside that, a television opposite, on a cabinet or where the wall has a place for a screen."""
@@ -150,6 +170,8 @@ def zoned(view: View) -> Iterator[Change]:
         return
     tables = view.of("dining_table")
     chairs = {chair for table in tables for chair in chairs_of(view, table)}
+    if len(loose(view, tables)) < len(tables):
+        tables, chairs = [], set()
     moves = [*tables, *chairs, *view.of(*_SIDEBOARDS)]
     groups = list(_grouped(view, moves)) if moves else []
     free = free_of_clashes(view, groups)
@@ -184,13 +206,14 @@ def _best(view: View, groups: Sequence[Change], most: int = _ZONED) -> list[Chan
 
 
 def _grouped(view: View, moves: Sequence[int]) -> Iterator[Change]:
-    """The group at each of its places, without some other pieces."""
-    at = max(view.of("sofa"), key=lambda one: view.length[one], default=None)
+    """The group at each of its places, without some other pieces; about what the plan shows of it,
+    which stays."""
+    at = longest_sofa(view)
     first = new_piece(view, "sofa", Box((0.0, 0.0, 0.0), _SOFA_M, 0.0))
     longest = first if at is None else view.items[at]
     singles, tables, screens = view.of(*SINGLES), view.of("coffee_table"), view.of("tv_cabinet")
     group = [*singles, *tables, *screens, *view.of("sofa_background")]
-    rest = but(view, [*group, *moves, *([] if at is None else [at])])
+    rest = but(view, loose(view, [*group, *moves, *([] if at is None else [at])]))
     coffee, seat, stand = (
         view.items[there[0]].box.size_m if there else size
         for there, size in ((tables, _COFFEE_M), (singles, _ARMCHAIR_M), (screens, _TV_M))
@@ -198,20 +221,27 @@ def _grouped(view: View, moves: Sequence[int]) -> Iterator[Change]:
     chair = view.categories[singles[0]] if singles else "single_sofa"
     places = (box for length in dict.fromkeys((float(longest.box.size_m[0]), *_SOFAS_M))
               for box in _sofa_places(view, (length, *longest.box.size_m[1:]), stand))  # fmt: skip
-    for sofa in _standing(view, rest, (moved_to(longest, box) for box in places)):
+    sofas = _standing(view, rest, (moved_to(longest, box) for box in places))
+    is_given = longest.facts.locked
+    has_seats, has_table, has_screen = (
+        len(loose(view, there)) < len(there) for there in (singles, tables, screens)
+    )
+    for sofa in [longest] if is_given else sofas:
         box = sofa.box
         ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + coffee[1] / 2)
         table = new_piece(view, "coffee_table", _placed(box, (0.0, ahead), coffee, 0.0))
+        before = [*(() if is_given else (sofa,)), *(() if has_table else (table,))]
         reach = max(coffee[0], 1.2) / 2 + seat[1] / 2 + 0.15
         pair = [
             new_piece(view, chair, _placed(box, (side * reach, ahead), seat, -90.0 * side), n)
             for n, side in enumerate((-1, 1))
         ]
-        for seats, cabinet in product(
-            (pair, pair[:1], pair[1:]), (*_opposite(view, box, stand), None)
-        ):
+        # Beside a sofa that stays, there may be room for no seat.
+        some = [[]] if has_seats else [pair, pair[:1], pair[1:], *([[]] if is_given else ())]
+        walls = () if has_screen else _opposite(view, box, stand)
+        for seats, cabinet in product(some, (*walls, None)):
             shown = [new_piece(view, "tv_cabinet", cabinet)] if cabinet else []
-            yield (*rest, sofa, table, *seats, *shown)
+            yield (*rest, *before, *seats, *shown)
 
 
 def _sofa_places(view: View, size: Size, stand: Size) -> Iterator[Box]:

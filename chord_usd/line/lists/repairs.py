@@ -25,7 +25,7 @@ from chord_usd.base.metrics.design.home_rules import (
     WARDROBES,
 )
 from chord_usd.base.metrics.design.view import HomeView, View, distances
-from chord_usd.base.metrics.rooms import stands_in
+from chord_usd.base.metrics.rooms import is_studio, stands_in
 from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import Box, FloatArray, RoomKind
 from chord_usd.line.lists.changes import Change, Propose, Size, at_walls, but, new_piece
@@ -38,7 +38,7 @@ from chord_usd.line.lists.dining_changes import (
     seats_at,
 )
 from chord_usd.line.lists.home_programme import WASHED_IN, suits_dining
-from chord_usd.line.lists.other_places import sofa_groups, zoned
+from chord_usd.line.lists.other_places import bed_instead, sofa_groups, zoned
 from chord_usd.line.lists.pieces import TALL_M
 from chord_usd.line.lists.wardrobe_changes import SPARE_M, WARDROBE_M
 
@@ -217,8 +217,11 @@ def _by_door(view: View, door: FloatArray, instead: Sequence[int] = ()) -> Itera
 
 
 def _needed(home: HomeView) -> Iterator[Repair]:
-    """A seat, where a home has none."""
+    """A bed and a seat, where a home has none: a studio sleeps in its living room."""
     there = {name for room in home.rooms for name in room.categories}
+    if not there & HOME["bed"] and is_studio([room.shell.kind for room in home.rooms]):
+        for at in _of_kinds(home, ("living",)):
+            yield at, iter([bed_instead])
     if there & HOME["seat"]:
         return
     for at in _of_kinds(home, ("living",)):

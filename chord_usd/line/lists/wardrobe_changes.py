@@ -18,6 +18,7 @@ from chord_usd.line.lists.changes import (
     Change,
     at_walls,
     grown,
+    loose,
     new_piece,
     with_box,
 )
@@ -68,11 +69,12 @@ def wardrobe_instead(view: View) -> Iterator[Change]:
     needed = sleepers_of(view) + SPARE_M
     if float(view.length[wardrobes(view)].sum()) > needed - 2 * SPARE_M or not view.of("bed"):
         return
-    stored = view.of("cabinet", "wardrobe")
+    stored = loose(view, view.of("cabinet", "wardrobe"))
     seated = {chair for table in view.of("dining_table") for chair in chairs_of(view, table)}
-    loose = [*view.of(*_LOOSE), *(at for at in view.of("chair") if at not in seated)]
+    spare = [*view.of(*_LOOSE), *(at for at in view.of("chair") if at not in seated)]
+    spare = loose(view, spare)
     lengths = dict.fromkeys(min(max(part, LEAST_M), MOST_M) for part in (needed, needed / 2))
-    for gone in [stored, [*stored, *loose]] if loose else [stored]:
+    for gone in [stored, [*stored, *spare]] if spare else [stored]:
         for length, rest in product(lengths, _bed_slid(view, gone)):
             for box in at_walls(view, (length, WARDROBE_M, TALL_M), _STEP_M):
                 yield (*rest, new_piece(view, "cabinet", box))

@@ -105,11 +105,13 @@ def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
         yield _sorted([*own, *more])
     yield _sorted(own)
     if kind == "bathroom" and not {*WET} & {*view.categories}:
-        # What a home has a bathroom for: rather than a basin, where there is no room for both.
+        # What a home has a bathroom for: rather than a washing machine or a basin, where there is
+        # no room for both.
         place = Box((0.0, 0.0, 0.0), _NEW_M["shower"], 0.0)
         shower = new_piece(view, "shower", place)
         yield _sorted([*own, shower])
-        yield _sorted([shower, *(item for item in own if item.category not in BASINS)])
+        for spare in (LAUNDRY, (*BASINS, *LAUNDRY)):
+            yield _sorted([shower, *(item for item in own if item.category not in spare)])
     if kind == "wc" and area_m2 < FEWER_BELOW_M2["wc"][0][0] and len(own) > 1:
         yield [item for item in own if item.category == "toilet"][:1]
 
