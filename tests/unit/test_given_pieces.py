@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from chord_usd.base.metrics.complete import homely_rooms
+from chord_usd.base.metrics.complete import homely_rooms, table_of
 from chord_usd.base.metrics.design.view import view_home
 from chord_usd.base.scene.types import (
     Box,
@@ -99,6 +101,17 @@ def test_a_studio_sleeps_in_its_living_room() -> None:
     assert "bed" in {item.category for item in furnished.items_of("r")}
 
 
+def test_a_chair_at_no_table_goes_and_one_at_a_table_stays() -> None:
+    stray = _piece("chair", Box((1.0, 3.0, 0.0), (0.45, 0.5, 0.9), 20.0))
+    seat = replace(stray, id="r/chair_1", box=Box((3.0, 1.95, 0.0), (0.45, 0.5, 0.9), 180.0))
+    home = _home("living", (5.0, 4.0), TABLE, stray, seat)
+    left = put_back(home, home, ["r"], [], lambda house: house).items
+    assert not any(item.id == stray.id and item.box == stray.box for item in left)
+    chairs = [item for item in left if item.category == "chair"]
+    assert chairs
+    assert all(table_of(chair, left) is not None for chair in chairs)
+
+
 def test_an_open_border_is_no_wall() -> None:
     """A television with its back to the next part of an open plan stands in the middle of it."""
     parts = [
@@ -118,9 +131,9 @@ def test_an_open_border_is_no_wall() -> None:
 def test_rooms_of_unknown_kind_have_no_plumbing_that_their_home_has_rooms_for() -> None:
     def foreign(*kinds: RoomKind) -> set[str]:
         square = frozen_array([(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0)])
-        rooms = (Room(str(at), kind, square + 4.0 * at) for at, kind in enumerate(kinds))
+        rooms = [Room(str(at), kind, square + 4.0 * at) for at, kind in enumerate(kinds)]
         (around, *_) = rooms_around(SceneGraph(tuple(rooms), (), ()), "homes", None)
-        return _foreign("unknown", around)
+        return _foreign(rooms[0], around)
 
     assert not foreign("unknown", "unknown")
     assert {"toilet", "shower"} <= foreign("unknown", "bathroom")

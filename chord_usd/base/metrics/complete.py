@@ -268,7 +268,7 @@ class _House:
 
     def _in_island(self, item: Item, sides: Sequence[Side]) -> bool:
         """Whether a kitchen unit stands where one walks all round it."""
-        lines = shapely.linestrings([np.stack(side) for side in sides])
+        lines = shapely.linestrings([np.stack([*side]) for side in sides])
         return item.category in KITCHEN_UNITS and bool(
             shapely.distance(lines, self.shape(item)).min() > ISLAND_M
         )

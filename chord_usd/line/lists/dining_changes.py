@@ -30,6 +30,8 @@ PULL_OUT_M = 0.76
 """From the table's edge, to pull a chair out; dining_rules asks for 0.75."""
 LENGTHS_M = {0: (0.8,), 1: (0.8,), 2: (1.4, 1.25), 3: (2.05, 1.9)}
 """Of tables, by how many sit at a long side."""
+_CLOSE_M = 0.5
+"""A seat at a table that is as long as it is drawn."""
 _GRID_M = 0.4
 _GRID_PLACES = 1000
 """About so many over the floor of a room: halls have them farther apart."""
@@ -122,17 +124,21 @@ def more_chairs(view: View, seats: int) -> Iterator[Change]:
 
 
 def _more_at(view: View, table: int, seats: int, size: Size) -> Iterator[Change]:
-    """Chairs at a table that the plan shows: as many as are wanted and find a place, at least two;
-    of the chairs those that it shows stay."""
-    rest, item = but(view, loose(view, chairs_of(view, table))), view.items[table]
-    there = len(chairs_of(View(view.shell, rest, view.hung), rest.index(item)))
+    """Chairs at a table that the plan shows, on the sides where they find a place: at least two, at
+    most as many as are wanted. Chairs that it shows stay; others that stand at no table go."""
+    item = view.items[table]
+    at_others = {one for at in view.of("dining_table", "table") if at != table
+                 for one in chairs_of(view, at)}  # fmt: skip
+    going = [at for at in view.of("chair") if at not in at_others]
+    rest = but(view, loose(view, going))
+    there = len(going) - len(loose(view, going))
+    wanted = max(seats, 2) - there
     for front in (3, 2, 1, 0):
-        for counts in _layouts(front):
-            if front * 0.6 <= item.box.size_m[0] and 2 <= there + sum(counts) <= max(seats, 2):
-                new = list(round_table(item.box, counts, size, view.shell.room.id))
-                free = free_of_clashes(view, [(*rest, chair) for chair in new])
-                if len(free) >= 2 - there:
-                    yield (*rest, *(items[-1] for items in free))
+        for counts in _layouts(front) if front * _CLOSE_M <= item.box.size_m[0] else ():
+            new = round_table(item.box, counts, size, view.shell.room.id)
+            free = [one[-1] for one in free_of_clashes(view, [(*rest, chair) for chair in new])]
+            if there + len(free) >= 2:
+                yield (*rest, *free[:wanted])
 
 
 def composed_around(view: View, propose: Propose, compose: Compose) -> Iterator[Change]:

@@ -13,8 +13,13 @@ from chord_usd.base.metrics.design import ROOM_RULES
 from chord_usd.base.metrics.rooms import mixed_kind, stands_in
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import having
-from chord_usd.base.scene.types import WET_KINDS, Item, Plan, Room, RoomKind, SceneGraph
-from chord_usd.line.lists.home_programme import Programme, programme_of, toilets_elsewhere
+from chord_usd.base.scene.types import WET_KINDS, Item, Plan, Room, SceneGraph
+from chord_usd.line.lists.home_programme import (
+    LAUNDRY_M2,
+    Programme,
+    programme_of,
+    toilets_elsewhere,
+)
 from chord_usd.line.lists.list_sampler import HEAT, Drawer, Drawn, Heat, Subject, without
 from chord_usd.line.lists.pieces import (
     PIECES,
@@ -189,25 +194,27 @@ def _subject(room: Room, around: Around, asked: Asked) -> Subject:
         around.facts,
         around.flags,
         wanted=tuple(PIECES.categories.index(one.category) for one in asked.missing(asked.kept)),
-        excluded=without({*asked.excluded, *_foreign(room.kind, around)}, PIECES),
+        excluded=without({*asked.excluded, *_foreign(room, around)}, PIECES),
         kept=tuple(pieces_of(asked.kept, around.frame)),
     )
 
 
-def _foreign(kind: RoomKind, around: Around) -> set[str]:
-    """Categories that stand in no room of this kind. A garage as large as a living room would be
+def _foreign(room: Room, around: Around) -> set[str]:
+    """Categories that stand in no such room. A garage as large as a living room would be
     furnished as one, and networks know all wet rooms as bathrooms.
 
     In a room of unknown kind is no plumbing that a room of its home is for: networks take a closet
-    for a WC.
+    for a WC. In a small bathroom a washing machine would take the place of the shower.
     """
     kinds = {*around.kinds_of_home}
-    if kind == "unknown":
+    if room.kind == "unknown":
         units = having("kitchen_unit")
         wet = having("fixture") - units if kinds.intersection(WET_KINDS) else set()
         return {*wet, *(units if "kitchen" in kinds else ())}
     mixed = mixed_kind(around.kinds_of_home)
-    return {name for name in PIECES.categories if not stands_in(name, kind, mixed)}
+    foreign = {name for name in PIECES.categories if not stands_in(name, room.kind, mixed)}
+    is_small = room.kind == "bathroom" and room_polygon(room).area < LAUNDRY_M2
+    return {*foreign, *(having("laundry") if is_small else ())}
 
 
 def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at: int) -> Subject:

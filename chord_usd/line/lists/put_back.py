@@ -11,6 +11,7 @@ from itertools import count
 import numpy as np
 
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
+from chord_usd.base.metrics.complete import table_of
 from chord_usd.base.metrics.design.price import (
     FAULT,
     broken_share,
@@ -31,7 +32,7 @@ from chord_usd.base.places.wall_frames import out_of_walls
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Edit, Item, Room, SceneGraph
-from chord_usd.line.lists.changes import Change, Propose, but, placed_again
+from chord_usd.line.lists.changes import Change, Propose, but, loose, placed_again
 from chord_usd.line.lists.dining_changes import Compose
 from chord_usd.line.lists.improve import LEAST_GAIN, improved
 from chord_usd.line.lists.other_places import changes_of
@@ -83,6 +84,7 @@ def put_back(
                 break
         work.mend(at)
         work.change(at, [without_stuck], gain=-_EMPTY)
+        work.change(at, [without_strays], gain=-_EMPTY, mends=True)
     work.furnish_empty(set(rooms) - set(decided))
     work.repair(set(rooms) - set(decided), lacking(before) if before else (), compose)
     return _finished(graph, work.made(), finish)
@@ -284,6 +286,14 @@ def without_stuck(view: View) -> Iterator[Change]:
     """The room without the pieces that walls keep shut, together and each alone."""
     shut = [at for at in np.flatnonzero(stuck(view)).tolist() if view.items[at].facts.unit is None]
     for going in (shut, *([at] for at in shut)) if shut else ():
+        yield but(view, going)
+
+
+def without_strays(view: View) -> Iterator[Change]:
+    """The room without chairs at no table, together and each alone."""
+    chairs = loose(view, view.of("chair"))
+    strays = [at for at in chairs if table_of(view.items[at], view.items) is None]
+    for going in (strays, *([at] for at in strays)) if strays else ():
         yield but(view, going)
 
 

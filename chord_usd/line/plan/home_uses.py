@@ -45,6 +45,7 @@ _HOSTS: dict[tuple[RoomKind, RoomKind], float] = {
     ("corridor", "kitchen"): 3.5, ("living", "bedroom"): 1.5,
 }  # fmt: skip
 """(leading use, further use) of a floor, and nats of a further use that is not named there."""
+_GUESTS: tuple[RoomKind, ...] = ("kitchen", "bedroom")
 _DRAWN_M2, _DRAWN_NATS = 2.0, 0.5
 """From so many square metres on a kitchen is drawn; nats a square metre of one not built there."""
 _MOST_DRAWN_NATS = 3.0
@@ -214,9 +215,9 @@ def _options(
         further = (floor.named - {kind}) if can_share(kind) else frozenset()
         plain = Uses(kind, frozenset(further), round(chance if kind != "unknown" else 0.0, 2))
         yield nats - _unexplained(floor, plain) + _drawn(floor, plain), plain
-        guests = {
+        guests: dict[RoomKind, float] = {
             use: cost
-            for use in ("kitchen", "bedroom")
+            for use in _GUESTS
             if (kind, use) in _HOSTS and use not in plain.all and use not in banned and is_home
             and (cost := _hosting(floor, kind, use)) is not None
         }  # fmt: skip
