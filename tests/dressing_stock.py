@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from chord_usd.base.scene.palette import DRESSING_CATEGORIES, Category
 from chord_usd.base.scene.types import Asset
 from chord_usd.library.database import AssetDatabase
+from chord_usd.library.design_tables import entries
 
 CURTAINS_M = {"open": (0.3, 0.42), "drawn": (0.6, 0.9, 1.3)}
 RUGS_M = ((1.4, 1.4), (2.4, 1.65), (2.8, 1.95), (3.2, 2.3))
@@ -41,7 +43,7 @@ def stock_of_boxes() -> AssetDatabase:
     assets = [asset for row in DRESSING_CATEGORIES for asset in _plain(row)]
     # Flat weaves, which furniture may stand on; the plain ones are of pile.
     assets += [_made(f"Rug_Flat_{n}", "rug", *side, 0.0045) for n, side in enumerate(RUGS_M)]
-    taken = ("curtain", "curtain_rail", "blind", "throw")
+    taken = ("curtain", "curtain_rail", "blind", "throw", "picture")
     assets = [asset for asset in assets if asset.category not in taken]
     for tag, lengths in CURTAINS_M.items():
         for length in lengths:
@@ -57,5 +59,10 @@ def stock_of_boxes() -> AssetDatabase:
     assets += [
         _made(f"Throw_Bed_{m}", "throw", m / 100, 0.6, 0.35, tag="bed")
         for m in (100, 130, 160, 190)
+    ]
+    assets += [
+        replace(_made(entry.id, "picture", *entry.size_m), styles=entry.styles)
+        for entry in entries().values()
+        if entry.category == "picture"
     ]
     return AssetDatabase(tuple(assets))

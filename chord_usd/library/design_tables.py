@@ -22,6 +22,9 @@ FOLDERS = (
 SHARED = "*"
 """Colourway of a row whose finishes all colourways of the set have."""
 
+_EDITIONS = tuple(f"_{letter}" for letter in "BCDEFGH")
+"""Ends of ids of further editions."""
+
 SizeM = tuple[float, float, float]
 Colourways = dict[str, dict[str, str]]
 
@@ -77,13 +80,17 @@ def _rows(folder: str, table: str) -> Iterator[dict[str, str]]:
 
 
 def _family(folder: str, row: dict[str, str]) -> Iterator[Entry]:
-    """A design for each size of a row; {l}, {w} and {h} of its id are centimetres."""
+    """A design for each size and edition of a row; {l}, {w} and {h} of its id are centimetres.
+
+    Editions differ in name alone, by which drawings draw their chances.
+    """
     styles, tags = tuple(row["styles"].split()), tuple(row["tags"].split())
     drawn = (folder, row["draw"], row["colours"], row["finishes"], row["light"])
     for size_m in sizes_m(row["size_m"]):
         length, width, height = (f"{100 * side:.0f}" for side in size_m)
         name = row["id"].format(l=length, w=width, h=height)
-        yield Entry(name, row["category"], size_m, styles, tags, *drawn)
+        for edition in ("", *_EDITIONS[: int(row.get("editions") or 1) - 1]):
+            yield Entry(name + edition, row["category"], size_m, styles, tags, *drawn)
 
 
 def sizes_m(cell: str) -> Iterator[SizeM]:

@@ -242,6 +242,15 @@ def test_every_room_that_people_live_in_is_heated_or_none(seed: int) -> None:
     assert not heated & lived or heated >= lived
 
 
+def test_no_picture_hangs_twice_in_a_home() -> None:
+    hung = 0
+    for seed in HOUSES:
+        pictures = [item for item in dressed(seed).dressing if item.category == "picture"]
+        assert len({item.asset for item in pictures}) == len(pictures)
+        hung += len(pictures)
+    assert hung > 6 * len(HOUSES)
+
+
 def test_coats_and_a_mirror_hang_at_most_front_doors() -> None:
     near: Counter[str] = Counter()
     for seed in HOUSES:
@@ -357,8 +366,6 @@ def test_every_basin_with_a_wall_above_has_a_mirror() -> None:
 
 
 def test_an_empty_database_dresses_nothing() -> None:
-    from chord_usd.library.database import AssetDatabase
-
     assert dress(furnished(0), AssetDatabase(()), STYLES["modern"], 0).dressing == ()
 
 

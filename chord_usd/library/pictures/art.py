@@ -112,10 +112,11 @@ def arches(rng: Rng, size: SizePx, palette: Palette = EARTH) -> Image.Image:
     """Nested arches with a sun, cut from coloured paper."""
     image, pen = canvas(size, palette[0])
     width, height = size
-    middle, foot = width * (0.42 + 0.16 * rng.random()), height * 0.88
-    for index, share in enumerate((0.4, 0.31, 0.22, 0.13)):
+    middle, foot = width * (0.34 + 0.32 * rng.random()), height * (0.72 + 0.2 * rng.random())
+    count, colours = int(rng.integers(3, 6)), rng.permutation(len(palette) - 1) + 1
+    for index, share in enumerate(np.linspace(0.4, 0.44 / count, count)):
         reach = share * width
-        colour = palette[1 + index % (len(palette) - 1)]
+        colour = palette[colours[index % len(colours)]]
         pen.ellipse(
             (
                 middle - reach,
@@ -126,9 +127,9 @@ def arches(rng: Rng, size: SizePx, palette: Palette = EARTH) -> Image.Image:
             fill=colour,
         )
         pen.rectangle((middle - reach, foot - height * 0.42, middle + reach, foot), fill=colour)
-    sun = width * 0.12
-    at = (width * (0.2 if middle > width / 2 else 0.8), height * 0.18)
-    pen.ellipse((at[0] - sun, at[1] - sun, at[0] + sun, at[1] + sun), fill=palette[3])
+    sun = width * (0.07 + 0.07 * rng.random())
+    at = (width * (0.2 if middle > width / 2 else 0.8), height * 0.16)
+    pen.ellipse((at[0] - sun, at[1] - sun, at[0] + sun, at[1] + sun), fill=palette[colours[-1]])
     return textured(image, rng, 8.0, 0.0)
 
 

@@ -106,7 +106,8 @@ def enso(rng: Rng, size: SizePx) -> Image.Image:
     x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
     side = min(width, height)
     dx, dy = (x - width / 2) / side, (y - height / 2) / side
-    angle = (np.arctan2(dy, dx) - 0.6) % (2 * math.pi) / (2 * math.pi)
+    turned = np.arctan2(dy * rng.choice((-1.0, 1.0)), dx) - rng.uniform(0.0, 2 * math.pi)
+    angle = turned % (2 * math.pi) / (2 * math.pi)
     radius = np.hypot(dx, dy) + 0.012 * np.sin(2 * math.pi * angle + 1.0)
     half = 0.05 - 0.024 * angle
     across = (radius - 0.31 - 0.02 * angle) / half
@@ -168,16 +169,18 @@ def botanical(rng: Rng, size: SizePx, tone: Rgb = (74, 100, 72)) -> Image.Image:
 
 
 def fronds(rng: Rng, size: SizePx, tone: Rgb = (62, 88, 66)) -> Image.Image:
-    """Three fern fronds of unlike green."""
+    """Two to five fern fronds of unlike green."""
     scale = 2
     width, height = size[0] * scale, size[1] * scale
     image, pen = canvas((width, height), (240, 236, 226))
     side = min(width, height)
-    for index in range(3):
-        foot = np.array([width * (0.36 + 0.14 * index), height * 0.94])
-        lean = (-0.32, 0.04, 0.36)[index]
-        colour = tuple(int(min(c * (0.85 + 0.22 * index), 255)) for c in tone)
-        tall = height * (0.72, 0.84, 0.66)[index]
+    count = int(rng.integers(2, 6))
+    for share in np.linspace(0.0, 1.0, count):
+        foot = np.array([width * (0.36 + 0.28 * share), height * 0.94])
+        lean = 0.68 * share - 0.34 + rng.uniform(-0.1, 0.1)
+        pale = rng.uniform(0.8, 1.35)
+        colour = tuple(int(min(c * pale, 255)) for c in tone)
+        tall = height * rng.uniform(0.6, 0.86)
         for t in np.linspace(0.14, 1.0, 26):
             at = foot + np.array([lean * side * t**1.6, -tall * t])
             angle = math.atan2(-tall, lean * side * 1.6 * t**0.6)
@@ -255,6 +258,7 @@ def old_landscape(rng: Rng, size: SizePx) -> Image.Image:
     """Trees at a river under an evening sky, in the browns of old varnish."""
     width, height = size
     x, y = grid(size)
+    x = np.abs(x - rng.integers(2))  # the tall trees stand left or right
     sky = np.array((206, 186, 146), float) + (np.array((122, 134, 134)) - (206, 186, 146)) * (
         np.clip(1 - y / 0.5, 0, 1)[..., None] ** 1.5
     )
@@ -272,7 +276,8 @@ def old_landscape(rng: Rng, size: SizePx) -> Image.Image:
     image = masked(
         image, np.array((176, 166, 138), float) + 14 * noise(rng, size, 20, 2)[..., None], river
     )
-    for at, foot, tall in ((0.16, 0.86, 0.6), (0.3, 0.78, 0.36), (0.86, 0.82, 0.5)):
+    for middle, foot, most in ((0.16, 0.86, 0.66), (0.3, 0.78, 0.4), (0.86, 0.82, 0.56)):
+        at, tall = middle + rng.uniform(-0.06, 0.06), most * rng.uniform(0.6, 1.0)
         crown = np.hypot((x - at) / (0.36 * tall), (y - foot + 0.64 * tall) / (0.42 * tall))
         crown = crown + 0.22 * noise(rng, size, 9, 4)
         trunk = (
@@ -298,11 +303,13 @@ def still_life(rng: Rng, size: SizePx, palette: Palette = EARTH) -> Image.Image:
     ground = np.array(palette[3], float) + 8.0 * noise(rng, size, 4, 4)[..., None]
     image = masked(image, ground, np.clip((y - 0.66) * height / 2, 0, 1))
     things = (
-        (0.3, 0.46, 0.085, (0, 0.95, 0.5, 1.0, 0.72, 1.0, 0.8, 0.36, 1.0, 0.34), palette[2]),
-        (0.5, 0.34, 0.12, (0, 0.6, 0.3, 1.0, 0.7, 0.9, 0.85, 0.55, 1.0, 0.7), palette[1]),
-        (0.72, 0.15, 0.15, (0, 0.45, 0.2, 0.7, 0.6, 0.95, 0.9, 1.0, 1.0, 1.0), palette[4]),
+        (0.46, 0.085, (0, 0.95, 0.5, 1.0, 0.72, 1.0, 0.8, 0.36, 1.0, 0.34)),
+        (0.34, 0.12, (0, 0.6, 0.3, 1.0, 0.7, 0.9, 0.85, 0.55, 1.0, 0.7)),
+        (0.15, 0.15, (0, 0.45, 0.2, 0.7, 0.6, 0.95, 0.9, 1.0, 1.0, 1.0)),
     )
-    for at, tall, wide, profile, colour in things:
+    places = rng.permutation((0.3, 0.5, 0.72))
+    colours = rng.permutation([palette[1], palette[2], palette[4]])
+    for at, colour, (tall, wide, profile) in zip(places, colours, things, strict=True):
         knots = np.array(profile).reshape(-1, 2)
         foot = 0.76 + 0.03 * float(rng.random())
         rise = (foot - y) * height / side / tall

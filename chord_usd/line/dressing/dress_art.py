@@ -148,9 +148,9 @@ def _pictures(frame: RoomFrame) -> None:
 
 
 def _offer(frame: RoomFrame, used: set[str], most_m: tuple[float, float, float]) -> list[Asset]:
-    """Pictures that fit and do not hang in the room yet, nor by right in another."""
-    fitting = [a for a in within(frame.stock.offered("picture"), most_m) if a.id not in used]
-    return [asset for asset in fitting if frame.is_own(asset)] or fitting
+    """Pictures that fit, do not hang in the room yet, and may hang in no other room."""
+    fitting = within(frame.stock.offered("picture"), most_m)
+    return [asset for asset in fitting if asset.id not in used and frame.is_own(asset)]
 
 
 def _centre_m(spot: Spot, height_m: float) -> float:
@@ -178,9 +178,6 @@ def _group(frame: RoomFrame, spot: Spot, rng: np.random.Generator, used: set[str
     """Two or three of one format in a row, or pairs above each other where there is height."""
     most = (spot.width_m * 0.45, 0.2, _TOP_M - spot.base_m)
     rows = _rows(_offer(frame, used, most), spot.width_m)
-    if not rows:
-        every = within(frame.stock.offered("picture"), most)
-        rows = _rows([asset for asset in every if asset.id not in used], spot.width_m)
     if not rows:
         return _single(frame, spot, rng, used)
     _, length, height, count, alike = max(rows, key=lambda row: row[0])
@@ -224,8 +221,7 @@ def _small_picture(frame: RoomFrame) -> None:
     if rng.random() > frame.taste.pictures * 0.7:
         return
     for spot in spots_of(frame):
-        small = within(frame.stock.offered("picture"), (0.55, 0.2, 0.75))
-        if _single_of(frame, spot, small, rng):
+        if _single_of(frame, spot, _offer(frame, set(), (0.55, 0.2, 0.75)), rng):
             return
 
 
