@@ -120,15 +120,16 @@ class AssetDatabase:
         *,
         at_desk: bool = True,
         variety: str | None = None,
+        is_screenless: bool = False,
     ) -> Asset:
         """The asset an item of this category and size (length, width, height) is given.
 
         The paper's rule: same category, least squared difference of length and width. Ties go to
         the nearer height, then to the lower id, so that the answer never depends on order. An
         asset of the user's own is taken unless a shipped one is more than OWN_FIRST_M nearer.
-        most_height_m: what stands before a window is no higher, where the category has that; of
-        cabinets with and without a television those without stand there, and only there. at_desk:
-        elsewhere no chair swivels. variety: of a unit of a composed kitchen, a tag of these.
+        most_height_m: what stands before a window is no higher, where the category has that.
+        at_desk: elsewhere no chair swivels. variety: of a unit of a composed kitchen, a tag of
+        these. is_screenless: of cabinets with and without a television, one without.
         Raises AssetError where the category has no asset, SceneError for a name not in the palette.
         """
         candidates = self.of_category(name)
@@ -138,8 +139,7 @@ class AssetDatabase:
                 expected="at least one asset of every category in use",
                 try_="--assets FOLDER with such an asset",
             )
-        is_before_window = most_height_m is not None
-        suiting = tuple(a for a in candidates if ("no_screen" in a.tags) == is_before_window)
+        suiting = tuple(a for a in candidates if ("no_screen" in a.tags) == is_screenless)
         candidates = suiting or candidates
         if not at_desk:
             candidates = tuple(a for a in candidates if "swivels" not in a.tags) or candidates

@@ -15,19 +15,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chord_usd.base.errors import AssetError, OutputError, SceneError
+from chord_usd.base.metrics.design.view import view_home
 from chord_usd.base.runtime.locations import cache_folder
 from chord_usd.base.scene.palette import CATEGORIES
-from chord_usd.base.scene.types import Asset
+from chord_usd.base.scene.types import Asset, Box, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.library import component, database
 from chord_usd.library.database import (
     TAGS,
     AssetDatabase,
+    embedded_assets,
     load_database,
     read_index,
     write_index,
 )
 from chord_usd.library.design_tables import colour_sets, entries, sizes_m
 from chord_usd.library.kit.model import Design
+from chord_usd.line.graph.match import match_assets
 
 SIDE = st.floats(0.1, 4.0).map(lambda side: round(side, 3))
 SIZE = st.tuples(SIDE, SIDE, SIDE)
@@ -258,3 +261,17 @@ def test_chairs_swivel_at_desks_only():
     chairs = load_database(texture_px=16)
     assert "Office" in chairs.nearest("chair", (0.57, 0.56, 0.95)).id
     assert "Office" not in chairs.nearest("chair", (0.57, 0.56, 0.95), at_desk=False).id
+
+
+@pytest.mark.parametrize("sill_m", [0.2, 0.9])
+@pytest.mark.parametrize(("beside_m", "is_bare"), [(0.0, False), (0.03, True), (0.3, True)])
+def test_a_cabinet_is_built_as_it_is_judged(sill_m: float, beside_m: float, is_bare: bool) -> None:
+    """With a television unless it stands before a window, by however little."""
+    room = Room("room", "living", frozen_array([(0, 0), (5, 0), (5, 4), (0, 4)]))
+    window = Opening("w", "window", Box((1.0, -0.12, sill_m), (1.2, 0.24, 1.2), 0.0), ("room",))
+    box = Box((1.6 + 0.8 - beside_m, 0.2, 0.0), (1.6, 0.4, 0.5), 180.0)
+    house = SceneGraph((room,), (window,), (Item("room/tv_cabinet_0", "tv_cabinet", box, "room"),))
+    (asset,) = match_assets(house, AssetDatabase(embedded_assets())).assets()
+    assert ("no_screen" in asset.tags) == is_bare
+    (view,) = view_home(house).rooms
+    assert bool(view.bare) == is_bare

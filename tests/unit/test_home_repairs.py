@@ -117,6 +117,26 @@ def test_a_home_washes_in_one_place() -> None:
     assert there == ["bathroom"]
 
 
+def test_a_cabinet_before_a_window_is_not_what_a_television_on_a_wall_stands_on() -> None:
+    """It does not stay there, bare, beside the screen."""
+    room = Room("room", "living", frozen_array([(0, 0), (5, 0), (5, 4), (0, 4)]))
+    openings = (
+        Opening("w", "window", Box((1.2, -0.12, 0.9), (1.6, 0.24, 1.4), 0.0), ("room",)),
+        Opening("d", "door", Box((-0.12, 3.4, 0.0), (0.9, 0.24, 2.1), 90.0), ("room",)),
+    )
+    pieces = (("sofa", Box((2.5, 3.5, 0.0), (2.2, 0.9, 0.85), 0.0)),
+              ("coffee_table", Box((2.5, 2.4, 0.0), (0.9, 0.55, 0.42), 0.0)),
+              ("single_sofa", Box((4.2, 2.5, 0.0), (0.8, 0.8, 0.85), -90.0)),
+              ("tv_cabinet", Box((1.2, 0.22, 0.0), (1.4, 0.4, 0.47), 180.0)))  # fmt: skip
+    items = tuple(Item(f"room/{name}_0", name, box, "room") for name, box in pieces)
+    before = View(shells((room,), openings)["room"], items)
+    assert before.bare
+    assert before.televisions, "on the bare wall beside the window"
+    after = improved(before, lambda _: 0.0, changes_of(before))
+    assert not after.bare
+    assert after.televisions
+
+
 def test_a_room_to_live_and_sleep_in_has_sofa_and_television_before_a_desk() -> None:
     """The bed stands at the wall that both need, opposite the window."""
     outlines = {"day": (0, 0, 6, 4.5), "bathroom": (0, 4.74, 2.2, 6.8)}

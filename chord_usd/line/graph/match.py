@@ -12,6 +12,7 @@ import shapely
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from chord_usd.base.metrics.design.view import screenless
 from chord_usd.base.runtime.asset_stages import try_assets
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon, to_world
 from chord_usd.base.scene.oriented_rect import Footprint
@@ -63,6 +64,7 @@ class Database(Protocol):
         *,
         at_desk: bool = True,
         variety: str | None = None,
+        is_screenless: bool = False,
     ) -> Asset:
         """The mesh of this category whose size differs least, of those that are low enough.
         at_desk: elsewhere no chair swivels."""
@@ -124,8 +126,9 @@ def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = (
     desks = shapely.union_all(
         [footprint_polygon(i.box) for i in graph.items if i.category == _DESK]
     )
+    bare = screenless(graph)
     items, dressing = (
-        tuple(item if item.id in but else _matched(item, database, desks) for item in all_)
+        tuple(item if item.id in but else _matched(item, database, desks, bare) for item in all_)
         for all_ in (graph.items, graph.dressing)
     )
     graph = replace(graph, items=items, dressing=dressing)
@@ -133,22 +136,24 @@ def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = (
     return graph
 
 
-def _matched(item: Item, database: Database, desks: BaseGeometry) -> Item:
+def _matched(item: Item, database: Database, desks: BaseGeometry, bare: Collection[str]) -> Item:
     if item.asset:
-        children = tuple(_matched(child, database, desks) for child in item.children)
+        children = tuple(_matched(child, database, desks, bare) for child in item.children)
         return replace(item, children=children)
     facts = item.facts
     near = footprint_polygon(item.box).distance(desks) if item.category == "chair" else 0.0
     asset = database.nearest(
         item.category, item.box.size_m, facts.below_sill_m, at_desk=near < _AT_DESK_M,
-        variety=facts.unit,
+        variety=facts.unit, is_screenless=item.id in bare,
     )  # fmt: skip
     missed_m = float(np.hypot(*np.subtract(asset.size_m[:2], item.box.size_m[:2])))
     # Seen from above nothing tells a height.
     is_guess = (bool(facts.source_px) or facts.locked) and facts.unit is None
     box = fitted_box(item.box, asset, category(item.category), is_guess=is_guess)
     raised_m = box.size_m[2] - item.box.size_m[2]
-    children = tuple(_matched(_raised(child, raised_m), database, desks) for child in item.children)
+    children = tuple(
+        _matched(_raised(child, raised_m), database, desks, bare) for child in item.children
+    )
     matched = replace(item, asset=asset, box=box, children=children)
     return matched.found(asset_distance_m=round(missed_m, 6))
 

@@ -213,11 +213,17 @@ def _slid(category: str) -> Callable[[View], Iterator[Change]]:
     return propose
 
 
+def _without_bare(view: View) -> Iterator[Change]:
+    """No cabinet for a television that has no place on it."""
+    if view.bare:
+        yield but(view, view.bare)
+
+
 BY_KIND = {
     "bedroom": (_bedsides,),
     "bathroom": (_shower, _basin),
     "washroom": (_basin,),
     "wc": (_basin,),
-    "living": (_slid("tv_cabinet"), _coffee_table, _armchairs),
+    "living": (_slid("tv_cabinet"), _without_bare, _coffee_table, _armchairs),
 }
 """By kind of room, in order."""

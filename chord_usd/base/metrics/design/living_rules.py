@@ -105,8 +105,8 @@ def _glare(view: View) -> Iterator[Measured]:
 
 
 def _bare(view: View) -> Iterator[Measured]:
-    """Cabinets for a television without one, where no wall has it."""
-    bare = view.bare if not view.televisions else []
+    """Cabinets for a television without one, also where it hangs on another wall."""
+    bare = view.bare
     yield flag(bool(bare), view.point(bare[0]) if bare else view.middle, *_id(view, *bare))
 
 

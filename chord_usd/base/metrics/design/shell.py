@@ -245,6 +245,11 @@ class Shell:
         """(K,) height above which each of these stays free."""
         return np.array([hole.sill_m for hole in self._keeping])
 
+    @cached_property
+    def below_glass(self) -> Rects:
+        """(K,) those of these floors that windows keep free."""
+        return self.clear.of(np.array([not hole.is_way for hole in self._keeping], np.bool_))
+
     @property
     def _keeping(self) -> list[Hole]:
         return [hole for hole in self.holes if not (hole.is_way and hole.depth_m < BORDER_M)]

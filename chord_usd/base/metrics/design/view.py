@@ -254,8 +254,14 @@ class View:
 
     @cached_property
     def bare(self) -> list[int]:
-        """Cabinets for a television without one: those before a window (assets.database)."""
-        return [at for at in self.of("tv_cabinet") if self.windows_behind(at, 0.3)]
+        """Cabinets for a television without one: those before a window, by however little. The
+        same asks which meshes cabinets get (screenless)."""
+        cabinets = np.array(self.of("tv_cabinet"), np.intp)
+        if not len(cabinets):
+            return []
+        deep = self.rects.of(cabinets).depths(self.shell.below_glass)
+        before: list[int] = cabinets[(deep > TOUCH_M).any(axis=1)].tolist()
+        return before
 
     @cached_property
     def televisions(self) -> list[Screen]:
@@ -359,6 +365,13 @@ def view_home(graph: SceneGraph, *, is_dressed: bool = False) -> HomeView:
         for room in graph.rooms
     )
     return HomeView(views, _entrance(graph.rooms, graph.openings))
+
+
+def screenless(graph: SceneGraph) -> frozenset[str]:
+    """Ids of the television cabinets of a house that have no place for a television."""
+    if not any(item.category == "tv_cabinet" for item in graph.items):
+        return frozenset()
+    return frozenset(room.items[at].id for room in view_home(graph).rooms for at in room.bare)
 
 
 @lru_cache(maxsize=16)
