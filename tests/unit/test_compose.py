@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
+from chord_usd.base.metrics.design.kitchen_rules import runs_of
 from chord_usd.base.metrics.design.shell import shells
+from chord_usd.base.metrics.design.view import view_home
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.metrics.violations import violations
 from chord_usd.base.scene.geometry import footprint_polygon, to_own
@@ -20,6 +22,7 @@ from chord_usd.line.compose.composer import (
     put_back,
     with_kitchens,
 )
+from chord_usd.line.compose.prices import SINK_END_M
 from chord_usd.line.compose.site import site_of
 from chord_usd.line.compose.widths import FITS, WIDTHS, splits
 from tests.every import for_every
@@ -214,3 +217,13 @@ def test_gaps_are_filled_with_widths_that_are_sold(gap: int) -> None:
     assert bool(ways) == bool(FITS[gap])
     assert all(sum(way) == gap and set(way) <= set(WIDTHS) for way in ways)
     assert FITS[gap] or gap in (1, 2, 5)
+
+
+def test_something_can_be_put_down_on_both_sides_of_a_sink() -> None:
+    """Also in a narrow kitchen, where the numbers of NKBA cannot be kept."""
+    (view,) = view_home(composed(kitchen((1.7, 3.0)), 0)).rooms
+    runs = runs_of(view)
+    assert runs is not None
+    sink = runs.first("sink_cabinet")
+    assert sink is not None
+    assert runs.sides(sink)[0] >= SINK_END_M

@@ -14,8 +14,10 @@ from shapely.affinity import rotate, translate
 from chord_usd.base.metrics.design import Design, Finding, design_of, worse_planned
 from chord_usd.base.metrics.design.price import tight
 from chord_usd.base.metrics.design.shell import shells
-from chord_usd.base.metrics.design.view import View
+from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
+from chord_usd.line.lists.improve import improved
+from chord_usd.line.lists.other_places import changes_of
 
 Piece = tuple[str, float, float, float, float, float, float]
 """Category, x, y, length, depth, height, yaw."""
@@ -89,6 +91,11 @@ def swap(pieces: list[Piece]) -> None:
     pieces[2], pieces[4] = (("cooker_cabinet", *pieces[2][1:]), ("sink_cabinet", *pieces[4][1:]))
 
 
+def wash_apart(pieces: list[Piece]) -> None:
+    """A washing machine at the wall before the run."""
+    pieces.append(("washing_machine", 3.4, 0.3, 0.6, 0.6, 0.85, 180))
+
+
 def drop(at: int) -> Callable[[list[Piece]], None]:
     return lambda pieces: pieces.pop(at) and None
 
@@ -106,6 +113,7 @@ def test_a_planned_bedroom_keeps_all_rules() -> None:
         (put(4, x=3.7), "cooker to a side wall", 0.0),
         (drop(3), "sink and cooker in one run or over one aisle", 1),
         (drop(5), "worktop on the lesser side of the cooker", 0.0),
+        (wash_apart, "washing machine from the units", 1.8),
     ],
 )
 def test_a_kitchen_breaks_a_rule(
@@ -135,6 +143,33 @@ def test_a_bedroom_breaks_a_rule(
     found = findings(bedroom(change))[rule]
     assert found.have == pytest.approx(have, abs=0.03)
     assert found.said.startswith(rule)
+
+
+def test_a_washing_machine_goes_to_the_units() -> None:
+    """There is floor beside them."""
+
+    def shorter(pieces: list[Piece]) -> None:
+        put(3, x=1.95, length=0.6)(pieces)
+        put(4, x=2.55)(pieces)
+        put(5, x=3.1)(pieces)
+        wash_apart(pieces)
+
+    house = kitchen(shorter)
+    before = view_home(house).rooms[0]
+    after = improved(before, lambda _: 0.0, changes_of(before))
+    (machine,) = after.of("washing_machine")
+    assert after.gaps(machine)[after.of("single_door_floor_cabinet")].min() < 0.1
+    assert after.depths[machine].sum() - after.depths[machine, machine] < 1e-6
+    assert after.height[machine] == 0.85
+
+
+def test_knees_fit_between_an_armchair_and_the_coffee_table() -> None:
+    pieces: list[Piece] = [("sofa", 2.0, 2.5, 2.0, 0.9, 0.8, 0),
+                           ("coffee_table", 2.0, 1.4, 1.0, 0.5, 0.4, 0)]  # fmt: skip
+    for gap, is_broken in ((0.02, True), (0.3, False)):
+        chair = ("single_sofa", 2.5 + gap + 0.4, 1.4, 0.8, 0.8, 0.8, -90)
+        found = findings(home("living", [*pieces, chair]))
+        assert ("armchair to the coffee table" in found) == is_broken
 
 
 def test_free_depth_is_that_of_shapes() -> None:

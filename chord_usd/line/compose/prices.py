@@ -17,6 +17,8 @@ COOKER_SIDES_M = 0.3, 0.4
 """Beside the cooker, on both sides and on one [17]."""
 SINK_SIDES_M = 0.45, 0.6
 """Beside the sink, on both sides and on one [11]."""
+SINK_END_M = 0.15
+"""A sink with less beside it stands at an end: no place to put down what is washed."""
 PREPARATION_M = 0.9
 """In one piece, beside the sink [12]."""
 LANDING_M = 0.4
@@ -42,19 +44,20 @@ SMALL_M2 = 5.0
 
 PRICE = {
     "cooker between worktops": 12.0, "cooker beside 40": 3.0, "sink beside 45": 5.0,
-    "sink beside 60": 4.0, "preparation": 4.0, "plain": 4.0, "worktop": 4.0, "aisle": 5.0,
-    "narrow aisle": 9.0, "legs": 3.0, "least leg": 5.0, "cooker below a window": 8.0,
-    "sink at a window": 4.5, "cooker at a door": 6.0, "cooker in a corner": 5.0,
-    "sink in a corner": 1.5, "cooker touches": 6.0, "landing": 6.0, "apart": 6.0,
-    "refrigerator apart": 9.0, "no refrigerator": 40.0, "dishwasher": 1.5, "way between": 3.0,
-    "way shut": 8.0, "idle run": 6.0, "door hits": 1.5, "piece in place": 1.5, "shallow": 3.0,
+    "sink at an end": 3.0, "sink beside 60": 4.0, "preparation": 4.0, "plain": 4.0,
+    "worktop": 4.0, "aisle": 5.0, "narrow aisle": 9.0, "legs": 3.0, "least leg": 5.0,
+    "cooker below a window": 8.0, "sink at a window": 4.5, "cooker at a door": 6.0,
+    "cooker in a corner": 5.0, "sink in a corner": 1.5, "cooker touches": 6.0, "landing": 6.0,
+    "apart": 6.0, "refrigerator apart": 9.0, "no refrigerator": 40.0, "dishwasher": 1.5,
+    "way between": 3.0, "way shut": 8.0, "idle run": 6.0, "door hits": 1.5,
+    "piece in place": 1.5, "shallow": 3.0,
 }  # fmt: skip
 """Of each number missed."""
 
 SMALL = frozenset((
-    "cooker between worktops", "sink beside 60", "cooker below a window", "cooker at a door",
-    "cooker in a corner", "cooker touches", "apart", "no refrigerator", "narrow aisle",
-    "way shut", "idle run", "piece in place",
+    "cooker between worktops", "sink at an end", "sink beside 60", "cooker below a window",
+    "cooker at a door", "cooker in a corner", "cooker touches", "apart", "no refrigerator",
+    "narrow aisle", "way shut", "idle run", "piece in place",
 ))  # fmt: skip
 _SCALE = 3.0
 """Of all prices, beside what tastes and likings weigh."""

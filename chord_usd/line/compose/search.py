@@ -372,6 +372,7 @@ def _worktop_beside(
     cost = cost + short(most, prices.COOKER_SIDES_M[1], price("cooker beside 40", area))
     own = (sink_cells * CELL_M - 0.6) / 2
     least, most = np.minimum(*sink) + own, np.maximum(*sink) + own
+    cost = cost + short(least, prices.SINK_END_M, price("sink at an end", area))
     cost = cost + short(least, prices.SINK_SIDES_M[0], price("sink beside 45", area))
     cost = cost + short(most, prices.SINK_SIDES_M[1], price("sink beside 60", area))
     return cost + short(most, prices.PREPARATION_M, price("preparation", area))

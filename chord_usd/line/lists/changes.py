@@ -6,9 +6,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import product
 
 from chord_usd.base.metrics.complete import WALLED
 from chord_usd.base.metrics.design.bedroom_rules import bedside
+from chord_usd.base.metrics.design.kitchen_rules import LAUNDRY, runs_of
 from chord_usd.base.metrics.design.view import View
 from chord_usd.base.places.wall_frames import Size, WallFrame
 from chord_usd.base.scene.geometry import to_world
@@ -24,6 +26,8 @@ _WALL_PLACES = 200
 """About so many places along all walls of a room: halls have them farther apart."""
 SHARES = (1.0, 0.85, 0.7)
 """Of its length, that a piece at a wall is placed again with."""
+_SPARE_M = 0.1
+"""Units that a machine replaces are longer by no more."""
 NEAR_M = (0.1, 0.2, 0.35, 0.5)
 """Steps from where a piece stood."""
 
@@ -219,7 +223,38 @@ def _without_bare(view: View) -> Iterator[Change]:
         yield but(view, view.bare)
 
 
+def _washer(view: View) -> Iterator[Change]:
+    """The washing machine at an end of a run of units, or in place of plain units there."""
+    runs, machines = runs_of(view), view.of(*LAUNDRY)[:1]
+    if runs is None or not machines:
+        return
+    machine = view.items[machines[0]]
+    length, depth, _ = machine.box.size_m
+    for unit, side in product(runs.units, (-1, 1)):
+        if runs.beside(unit, side) is not None or runs.round_corner(unit, side) is not None:
+            continue
+        box = view.items[unit].box
+        back, half = (box.size_m[1] - depth) / 2, box.size_m[0] / 2
+        inner, going = side * half, [*machines]
+        here: int | None = unit
+        yield (*but(view, going), _kept_high(machine, box, inner + side * length / 2, back))
+        while here is not None and runs.is_top(here) and side * inner > half - length:
+            going.append(here)
+            inner -= side * float(view.length[here])
+            here = runs.beside(here, -side)
+        if 0.0 <= half - side * inner - length <= _SPARE_M:
+            yield (*but(view, going), _kept_high(machine, box, inner + side * length / 2, back))
+
+
+def _kept_high(item: Item, box: Box, u: float, v: float) -> Item:
+    """A piece about a point in the frame of another box."""
+    length, depth, height = item.box.size_m
+    there = resized(box, length, depth, u, v)
+    return replace(item, box=replace(there, size_m=(length, depth, height)))
+
+
 BY_KIND = {
+    "kitchen": (_washer,),
     "bedroom": (_bedsides,),
     "bathroom": (_shower, _basin),
     "washroom": (_basin,),

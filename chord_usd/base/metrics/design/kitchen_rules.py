@@ -12,10 +12,12 @@ from chord_usd.base.metrics.design.rule import Measured, Rule, flag
 from chord_usd.base.metrics.design.view import View, distances
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.scene.geometry import hanging_together
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import FloatArray
 
 SINK, COOKER, COLD = "sink_cabinet", "cooker_cabinet", "refrigerator"
 CENTRES = (SINK, COOKER, COLD)
+LAUNDRY = having("laundry")
 TALL_M = 1.2
 """A unit at least so high carries no worktop."""
 RUN_GAP_M = 0.1
@@ -354,6 +356,14 @@ def _cooker_beside(view: View) -> Iterator[Measured]:
         yield flag(bool(wrong), view.point(at), *_id(view, at, *wrong))
 
 
+def _washer_apart(view: View) -> Iterator[Measured]:
+    runs = runs_of(view)
+    if runs is not None:
+        for at in view.of(*LAUNDRY):
+            away = float(view.gaps(at)[runs.units].min())
+            yield Measured(away, view.point(at), _id(view, at))
+
+
 def _tall_between(view: View) -> Iterator[Measured]:
     runs = runs_of(view)
     if runs is None:
@@ -436,6 +446,7 @@ RULES: tuple[Rule[View], ...] = (
          at_most=True),
     Rule("cooker beside sink or refrigerator", 0, "count", "NKBA 17", _cooker_beside,
          at_most=True),
+    Rule("washing machine from the units", RUN_GAP_M, "m", _PAGE, _washer_apart, at_most=True),
     Rule("tall unit between worktops", 0, "count", "NKBA 4", _tall_between, at_most=True,
          weight=0.5),
     Rule("way between doors through the triangle", 0, "count", "NKBA 5", _way_through,

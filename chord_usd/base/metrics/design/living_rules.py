@@ -128,6 +128,13 @@ def _apart(view: View) -> Iterator[Measured]:
         yield Measured(math.inf, view.middle)
 
 
+def _knees(view: View) -> Iterator[Measured]:
+    """Floor between armchairs and the coffee table."""
+    tables = view.of("coffee_table")
+    for at in view.of(*SINGLES) if tables else ():
+        yield Measured(float(view.gaps(at)[tables].min()), view.point(at), _id(view, at))
+
+
 def _turned_away(view: View) -> Iterator[Measured]:
     """How far armchairs are turned from the table, or else the sofa."""
     focus = next(iter(view.of("coffee_table")), _sofa(view))
@@ -187,6 +194,7 @@ RULES: tuple[Rule[View], ...] = (
         at_most=True,
         weight=0.3,
     ),
+    Rule("armchair to the coffee table", 0.10, "m", "planning guides", _knees, weight=0.5),
     Rule("armchair from the sofa", 3.00, "m", "HUD 1973", _apart, at_most=True),
     Rule("armchair turned from the group", 45, "deg", "HUD 1973", _turned_away, at_most=True),
     Rule("seats to talk to", 1, "count", "HUD 1973", _talk),
