@@ -166,7 +166,8 @@ class Draw:
         rooms: Sequence[Room] | None = None,
         kept: Collection[Item] = (),
     ) -> SceneGraph:
-        """A house that was read, without what its rooms shall not hold, kitchens as composed.
+        """A house that was read, without what its rooms shall not hold, kitchens as composed, and
+        pieces as listed that were painted there but for a few pixels.
 
         listed: what was painted; without, kitchens are composed from what was read. rooms: those
         that were drawn, by default all. kept: pieces that stand in them and are not in the graph.
@@ -175,10 +176,13 @@ class Draw:
         if not self.composes:
             return graph
         from chord_usd.line.compose.composer import composed_of, put_back
+        from chord_usd.line.lists.as_listed import read_as_listed
         from chord_usd.line.lists.wishes import Asked
 
         if listed is not None:
-            return put_back(graph, composed_of(listed))
+            graph = put_back(graph, composed_of(listed))
+            ids = [room.id for room in (graph.rooms if rooms is None else rooms)]
+            return read_as_listed(graph, listed, ids, {item.id for item in self.locked})
         rooms = graph.rooms if rooms is None else rooms
         asked = {
             room.id: replace(
