@@ -56,8 +56,9 @@ def test_what_was_painted_elsewhere_stays_there(moved: Box) -> None:
 
 def test_a_room_that_would_cost_more_stays_as_read() -> None:
     """The basin was painted off the shower; as listed it would stand in it."""
-    close = replace(BASIN, center_m=(0.95, 1.75, 0.0), yaw_deg=0.0)
-    painted = house(shower=replace(SHOWER, center_m=(0.35, 1.6, 0.0)), washbasin=close)
+    close = replace(BASIN, center_m=(0.98, 1.75, 0.0), yaw_deg=0.0)
+    small = replace(SHOWER, center_m=(0.36, 1.64, 0.0), size_m=(0.72, 0.72, 2.0))
+    painted = house(shower=small, washbasin=close)
     listed = house(shower=SHOWER, washbasin=replace(close, center_m=(0.9, 1.75, 0.0)))
     after = read_as_listed(painted, listed, ["room"])
     assert after.items == painted.items
