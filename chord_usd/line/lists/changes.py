@@ -26,8 +26,8 @@ _WALL_PLACES = 200
 """About so many places along all walls of a room: halls have them farther apart."""
 SHARES = (1.0, 0.85, 0.7)
 """Of its length, that a piece at a wall is placed again with."""
-_SPARE_M = 0.1
-"""Units that a machine replaces are longer by no more."""
+_SINGLE, _NARROWEST_M, _WIDEST_M, _TOUCH_M = "single_door_floor_cabinet", 0.15, 0.6, 0.01
+"""Units with one door, and their widths."""
 NEAR_M = (0.1, 0.2, 0.35, 0.5)
 """Steps from where a piece stood."""
 
@@ -224,7 +224,8 @@ def _without_bare(view: View) -> Iterator[Change]:
 
 
 def _washer(view: View) -> Iterator[Change]:
-    """The washing machine at an end of a run of units, or in place of plain units there."""
+    """The washing machine at an end of a run of units, or in place of plain units there, of which
+    one stays narrower between it and the rest."""
     runs, machines = runs_of(view), view.of(*LAUNDRY)[:1]
     if runs is None or not machines:
         return
@@ -235,15 +236,27 @@ def _washer(view: View) -> Iterator[Change]:
             continue
         box = view.items[unit].box
         back, half = (box.size_m[1] - depth) / 2, box.size_m[0] / 2
-        inner, going = side * half, [*machines]
-        here: int | None = unit
-        yield (*but(view, going), _kept_high(machine, box, inner + side * length / 2, back))
-        while here is not None and runs.is_top(here) and side * inner > half - length:
+        beside = _kept_high(machine, box, side * (half + length / 2), back)
+        yield (*but(view, machines), beside)
+        freed, going, here = 0.0, [*machines], unit
+        while freed < length and view.items[here].facts.unit == "" and runs.is_top(here):
             going.append(here)
-            inner -= side * float(view.length[here])
-            here = runs.beside(here, -side)
-        if 0.0 <= half - side * inner - length <= _SPARE_M:
-            yield (*but(view, going), _kept_high(machine, box, inner + side * length / 2, back))
+            freed += float(view.length[here])
+            inward = runs.beside(here, -side)
+            if inward is None:
+                break
+            here = inward
+        spare = freed - length
+        if spare < -_TOUCH_M:
+            continue
+        inside = _kept_high(machine, box, side * (half - length / 2), back)
+        if spare < _NARROWEST_M:  # no unit is so narrow: it stands beside the rest
+            inside = _kept_high(machine, box, side * (half - spare - length / 2), back)
+            yield (*but(view, going), inside)
+        elif spare <= _WIDEST_M:
+            narrow = resized(box, spare, box.size_m[1], side * (half - length - spare / 2), 0.0)
+            rest = replace(view.items[going[-1]], category=_SINGLE, box=narrow)
+            yield (*but(view, going), rest, inside)
 
 
 def _kept_high(item: Item, box: Box, u: float, v: float) -> Item:
