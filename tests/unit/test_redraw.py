@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -52,13 +52,17 @@ class Painter:
 
 
 def mended(
-    graph: SceneGraph, painter: Painter, times: int = 2, asked: Mapping[str, Asked] | None = None
+    graph: SceneGraph,
+    painter: Painter,
+    times: int = 2,
+    asked: Mapping[str, Asked] | None = None,
+    spared: Collection[str] = (),
 ) -> Mended:
     plan_image = canvas.draw_plan(graph.plan, canvas.house_frame(graph.plan))
     layout = replace(canvas.layout_image(plan_image, graph.items), provenance=Provenance())
     draw = Draw(seed=7, asked=asked or {})
     sampler = Resampler(plan_image, painter, painter.read, draw)
-    return mend_rooms(graph, layout, sampler, times=times)
+    return mend_rooms(graph, layout, sampler, times=times, spared=spared)
 
 
 @pytest.fixture
@@ -102,6 +106,40 @@ def test_a_bare_room_is_furnished_by_the_next_draw(bare) -> None:
     assert not faults_by_room(found.graph)
     assert [i.box for i in found.graph.items_of(room_id)] == [i.box for i in items]
     assert painter.seeds != [7], "the seed that left it bare"
+
+
+class Lister(Draw):
+    """Lists that furnish rooms from the second seed on only."""
+
+    furniture: Sequence[Item] = ()
+    drawn: list[tuple[int, list[str]]] = []  # noqa: RUF012
+
+    def listed(self, graph, rooms, kept_ids=()):
+        self.drawn.append((self.seed, [room.id for room in rooms]))
+        new = self.furniture if self.seed != 7 else ()
+        return replace(graph, items=(*graph.items, *new))
+
+
+def test_a_room_that_lists_leave_wrong_is_listed_again_before_it_is_painted(bare) -> None:
+    graph, room_id, items = bare
+    for furniture, times, wrong, calls in (
+        (items, 2, set(), 2), (items, 0, {room_id}, 1), ((), 2, {room_id}, 3),
+    ):  # fmt: skip
+        Lister.furniture, Lister.drawn = furniture, []
+        listed, left = Lister(seed=7).listed_well(graph, graph.rooms, times)
+        assert listed is not None
+        assert (set(left), len(Lister.drawn)) == (wrong, calls)
+        assert len({seed for seed, _ in Lister.drawn}) == calls
+        assert all(ids == [room_id] for _, ids in Lister.drawn[1:]), "the other rooms stay"
+        there = [item.box for item in listed.items_of(room_id)]
+        assert there == ([] if wrong else [item.box for item in items])
+
+
+def test_a_room_that_no_list_mends_is_not_painted_again(bare) -> None:
+    graph, room_id, items = bare
+    painter = Painter(items)
+    assert mended(graph, painter, spared={room_id}).rooms == ()
+    assert not painter.seeds
 
 
 def test_the_picture_changes_in_the_room_alone(bare) -> None:

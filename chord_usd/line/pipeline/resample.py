@@ -185,6 +185,7 @@ def mend_rooms(
     sampler: Resampler,
     *,
     times: int,
+    spared: Collection[str] = (),
     settle: Settle | None = None,
     progress: Progress | None = None,
 ) -> Mended:
@@ -192,7 +193,8 @@ def mend_rooms(
     and faults (metrics.design.price) is kept.
 
     graph: as the sampler reads it in layout. times: samples of a room that has faults; one that
-    lacks what it shall hold is sampled WISH_DRAWS times at least. settle: what is done to a sample
+    lacks what it shall hold is sampled WISH_DRAWS times at least. spared: ids of rooms that are
+    sampled for that alone. settle: what is done to a sample
     before its faults are looked at.
     """
     from chord_usd.base.metrics.design.price import house_price
@@ -207,7 +209,7 @@ def mend_rooms(
                 progress(attempt, times)
 
     def due(house: SceneGraph, attempt: int) -> list[Room]:
-        wrong = faults(house) if attempt <= times else draw.lacking(house)
+        wrong = {*(faults(house).keys() - spared if attempt <= times else ()), *draw.lacking(house)}
         return [room for room in house.rooms if room.id in wrong]
 
     def cost(house: SceneGraph) -> float:

@@ -63,6 +63,8 @@ class FurnishedStorey:
     """The pieces that the plan's drawing shows."""
     listed: SceneGraph | None = None
     """The pieces of lists; None without lists."""
+    listed_wrong: frozenset[str] = frozenset()
+    """Ids of rooms that no list leaves right: they are not sampled again in vain."""
     mended: Mended | None = None
     tabletops: Tabletops | None = None
 
@@ -189,7 +191,9 @@ def furnished(plan: Path, settings: Settings, models: Models) -> SceneGraph:
 
 def list_pieces(made: FurnishedStorey, _: Progress) -> None:
     """List the pieces of each room, the draft that the painter sees."""
-    made.listed = made.draw.listed(made.graph, made.plan.rooms)
+    made.listed, made.listed_wrong = made.draw.listed_well(
+        made.graph, made.plan.rooms, made.settings.redraws
+    )
     if made.listed is not None and made.draw.locked:
         made.draw, made.listed = made.draw.freed(made.listed)
         made.drawn = hindering_left_out(made.drawn, made.draw.locked)
@@ -226,6 +230,7 @@ def redraw(made: FurnishedStorey, progress: Progress) -> None:
         made.layout,
         sampler,
         times=settings.redraws,
+        spared=made.listed_wrong,
         settle=leave_out,
         progress=progress,
     )
