@@ -29,7 +29,13 @@ from chord_usd.line.lists.pieces import frame_of, pieces_of
 from chord_usd.line.lists.vocabulary import Element
 from chord_usd.line.lists.wishes import Asked, Piece
 from chord_usd.line.pipeline.redraw import WISH_DRAWS, Draw, arrange_drawn, faults_by_room
-from chord_usd.line.pipeline.resample import Mended, Resampler, furnish_again, mend_rooms
+from chord_usd.line.pipeline.resample import (
+    Mended,
+    Resampler,
+    furnish_again,
+    listed_well,
+    mend_rooms,
+)
 
 
 class Painter:
@@ -126,7 +132,7 @@ def test_a_room_that_lists_leave_wrong_is_listed_again_before_it_is_painted(bare
         (items, 2, set(), 2), (items, 0, {room_id}, 1), ((), 2, {room_id}, 3),
     ):  # fmt: skip
         Lister.furniture, Lister.drawn = furniture, []
-        listed, left = Lister(seed=7).listed_well(graph, graph.rooms, times)
+        listed, left = listed_well(graph, graph.rooms, Lister(seed=7), times)
         assert listed is not None
         assert (set(left), len(Lister.drawn)) == (wrong, calls)
         assert len({seed for seed, _ in Lister.drawn}) == calls

@@ -110,33 +110,6 @@ class Draw:
 
         return put_back(finish(drawn), listed, asked, decided, finish, compose=compose)
 
-    def listed_well(
-        self, graph: SceneGraph, rooms: Sequence[Room], times: int
-    ) -> tuple[SceneGraph | None, frozenset[str]]:
-        """The house with lists, and ids of rooms that they leave wrong. A room where something is
-        wrong is listed again, so often at most, before anything is painted: what costs less stays.
-        """
-        from chord_usd.base.metrics.design.price import house_price
-        from chord_usd.line.pipeline.resample import with_furniture
-
-        listed = self.listed(graph, rooms)
-        if listed is None:
-            return None, frozenset()
-        faults = faults_by_room(listed, self)
-        for attempt in range(1, times + 1):
-            due = [room for room in rooms if room.id in faults and room.id not in self.shut]
-            if not due:
-                break
-            bare = listed.without(i.id for room in due for i in listed.items_of(room.id))
-            again = replace(self, seed=self.seed + attempt * SEEDS_APART).listed(bare, due)
-            assert again is not None
-            for room in due:
-                tried = with_furniture(listed, room, again.items_of(room.id))
-                wrong = faults_by_room(tried, self)
-                if house_price(tried, wrong) < house_price(listed, faults):
-                    listed, faults = tried, wrong
-        return listed, frozenset(faults)
-
     def freed(self, listed: SceneGraph) -> tuple[Draw, SceneGraph]:
         """This draw and its lists, without unsure drawn furniture in rooms that are better without.
 

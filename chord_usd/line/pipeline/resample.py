@@ -179,6 +179,32 @@ class Resampler:
         return house
 
 
+def listed_well(
+    graph: SceneGraph, rooms: Sequence[Room], draw: Draw, times: int
+) -> tuple[SceneGraph | None, frozenset[str]]:
+    """The house with lists, and ids of rooms that they leave wrong. A room where something is wrong
+    is listed again, so often at most, before anything is painted: what costs less stays."""
+    from chord_usd.base.metrics.design.price import house_price
+
+    listed = draw.listed(graph, rooms)
+    if listed is None:
+        return None, frozenset()
+    faults = faults_by_room(listed, draw)
+    for attempt in range(1, times + 1):
+        due = [room for room in rooms if room.id in faults and room.id not in draw.shut]
+        if not due:
+            break
+        bare = listed.without(item.id for room in due for item in listed.items_of(room.id))
+        again = replace(draw, seed=draw.seed + attempt * SEEDS_APART).listed(bare, due)
+        assert again is not None
+        for room in due:
+            tried = with_furniture(listed, room, again.items_of(room.id))
+            wrong = faults_by_room(tried, draw)
+            if house_price(tried, wrong) < house_price(listed, faults):
+                listed, faults = tried, wrong
+    return listed, frozenset(faults)
+
+
 def mend_rooms(
     graph: SceneGraph,
     layout: LayoutImage,

@@ -30,7 +30,7 @@ from chord_usd.line.pipeline import steps
 from chord_usd.line.pipeline.as_drawn import hindering_left_out, parted, placed_pieces
 from chord_usd.line.pipeline.loading import Models, load_models, with_networks
 from chord_usd.line.pipeline.redraw import Draw, arrange_drawn
-from chord_usd.line.pipeline.resample import Mended, Resampler, as_listed, mend_rooms
+from chord_usd.line.pipeline.resample import Mended, Resampler, as_listed, listed_well, mend_rooms
 
 if TYPE_CHECKING:
     from chord_usd.line.graph.tabletop import Tabletops
@@ -191,8 +191,8 @@ def furnished(plan: Path, settings: Settings, models: Models) -> SceneGraph:
 
 def list_pieces(made: FurnishedStorey, _: Progress) -> None:
     """List the pieces of each room, the draft that the painter sees."""
-    made.listed, made.listed_wrong = made.draw.listed_well(
-        made.graph, made.plan.rooms, made.settings.redraws
+    made.listed, made.listed_wrong = listed_well(
+        made.graph, made.plan.rooms, made.draw, made.settings.redraws
     )
     if made.listed is not None and made.draw.locked:
         made.draw, made.listed = made.draw.freed(made.listed)
