@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 ARTICULATION = "articulation"
@@ -12,6 +13,15 @@ FIXED, JOINTED = "fixed", "jointed"
 
 SETTLES_S = 0.4
 """What hangs on a joint and was pushed slows down to a third in this time."""
+
+_MOST_N_M_S = 12.0
+"""Per radian, of a wide leaf: a hand that turns it by 30 N m has it open within 1.6 s."""
+
+
+def hinge_damping(inertia_kg_m2: float) -> float:
+    """Of a leaf about its hinge, in newton metre seconds per degree."""
+    return round(math.radians(min(inertia_kg_m2 / SETTLES_S, _MOST_N_M_S)), 6)
+
 
 PAYLOAD_LAYER, JOINTED_LAYER = "payload.usdc", "jointed.usdc"
 """Layers of an asset: its geometry, and its bodies and joints."""

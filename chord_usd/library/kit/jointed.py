@@ -12,7 +12,6 @@ about that variant opens a piece.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chord_usd.base.scene.articulation import JOINTS, PAYLOAD_LAYER, SETTLES_S
+from chord_usd.base.scene.articulation import JOINTS, PAYLOAD_LAYER, SETTLES_S, hinge_damping
 from chord_usd.library.component_prims import (
     bind_feel,
     define_box,
@@ -175,4 +174,4 @@ def _damping(link: Link, mass_kg: float) -> float:
     away = np.abs(boxes - np.array(link.motion.at_m)).max(axis=(0, 1))
     away["xyz".index(link.motion.axis)] = 0.0
     inertia = max(mass_kg * float(away @ away) / 3, _LEAST_KG_M2)
-    return float(round(math.radians(inertia / SETTLES_S), 6))
+    return hinge_damping(inertia)

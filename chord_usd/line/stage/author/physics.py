@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from pxr import Gf, Sdf, Vt
 
-from chord_usd.base.scene.articulation import SETTLES_S
+from chord_usd.base.scene.articulation import hinge_damping
 from chord_usd.base.scene.feels import Feel
 from chord_usd.base.scene.palette import CATEGORIES, having
 from chord_usd.base.scene.types import Box, Item
@@ -95,9 +95,10 @@ def hang_leaf(
     attribute(joint, "physics:lowerLimit", Types.Float, opens_deg[0])
     attribute(joint, "physics:upperLimit", Types.Float, opens_deg[1])
     apply_schema(joint, "PhysicsDriveAPI:angular")
-    damping = math.radians(mass_kg * width_m**2 / 3 / SETTLES_S)
     attribute(joint, "drive:angular:physics:stiffness", Types.Float, 0.0)
-    attribute(joint, "drive:angular:physics:damping", Types.Float, round(damping, 6))
+    attribute(
+        joint, "drive:angular:physics:damping", Types.Float, hinge_damping(mass_kg * width_m**2 / 3)
+    )
 
 
 def hold(
