@@ -21,6 +21,7 @@ from chord_usd.base.errors import AssetError, ChordError
 from chord_usd.base.runtime.asset_stages import EXPECTED, asset_files
 from chord_usd.base.runtime.files import hash_file, link_or_copy, write_atomic
 from chord_usd.base.runtime.locations import cache_folder
+from chord_usd.base.runtime.stages import open_layer
 from chord_usd.base.scene.articulation import JOINTED_LAYER, PAYLOAD_LAYER, PAYLOADS
 from chord_usd.library.prop import prop_files
 
@@ -204,13 +205,13 @@ def _shared_pictures(files: Iterable[Path], folder: Path) -> set[Path]:
 def share_pictures(assets: Path) -> None:
     """Let packages point to the pictures that they share, before they go into an archive, which
     knows no links and would hold each of them many times."""
-    from pxr import Sdf, UsdUtils
+    from pxr import UsdUtils
 
     there = {file.name for file in (assets / SHARED).glob("*")}
     for name in (PAYLOAD_LAYER, JOINTED_LAYER):
         for file in assets.glob(f"*/{PAYLOADS}/{name}"):
             up = os.path.relpath(assets / SHARED, file.parent)
-            layer = Sdf.Layer.FindOrOpen(str(file))
+            layer = open_layer(file)
             UsdUtils.ModifyAssetPaths(
                 layer,
                 lambda path, up=up: f"{up}/{Path(path).name}" if Path(path).name in there else path,
