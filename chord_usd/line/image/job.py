@@ -26,6 +26,8 @@ class Quality:
 
     samples: int = 128
     """Paths traced through each pixel, at most."""
+    above: int = 1
+    """Times as many samples from above, where paper shows through alpha, which stays noisy."""
     noise: float = 0.02
     """A pixel with less noise than this gets no more samples; 0 samples all pixels alike."""
     least_samples: int = 0

@@ -12,7 +12,7 @@ from chord_usd.line.image.products import PASSES
 DEVICES = ("auto", "cpu", "gpu", "cuda", "optix", "hip", "oneapi", "metal")
 
 QUALITIES = {
-    "draft": Quality(samples=4, noise=0.1, prefilter="FAST"),
+    "draft": Quality(samples=4, above=2, noise=0.1, prefilter="FAST"),
     "good": Quality(),
     "final": Quality(samples=1024, noise=0.005, bounces=12, diffuse_bounces=6, matte_bounces=False),
 }

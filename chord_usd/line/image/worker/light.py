@@ -50,7 +50,6 @@ def set_quality(scene: Any, job: Job) -> None:
         cycles.texture_limit_render = str(quality.texture_px)
     render.resolution_x, render.resolution_y = job.width_px, job.height_px
     render.resolution_percentage = 100
-    set_samples(scene, quality.samples, job.part)
     set_look(scene)
 
 
@@ -116,7 +115,6 @@ def _metered(scene: Any, job: Job) -> tuple[np.ndarray, np.ndarray]:
     layer.cycles.denoising_store_passes = False
     render.film_transparent = not has_sky
     render.resolution_percentage, cycles.use_denoising = 100, denoised
-    set_samples(scene, job.quality.samples, job.part)
     return light[shown], own[shown]
 
 

@@ -28,7 +28,13 @@ from chord_usd.line.image.worker.data import data_scene, render_data
 from chord_usd.line.image.worker.devices import choose_device, share_processor
 from chord_usd.line.image.worker.lamps import aim_at_lamps, balance, switch_lamps
 from chord_usd.line.image.worker.layers import ask_for_layers
-from chord_usd.line.image.worker.light import expose, metered_exposure_ev, set_look, set_quality
+from chord_usd.line.image.worker.light import (
+    expose,
+    metered_exposure_ev,
+    set_look,
+    set_quality,
+    set_samples,
+)
 from chord_usd.line.image.worker.outside import Outside
 from chord_usd.line.image.worker.scene import aim, import_stage, open_roof
 from chord_usd.line.image.worker.shades import Shades
@@ -94,6 +100,8 @@ def shoot(job: Job, report: Report) -> None:
 def _take_light(scene: Any, job: Job, view: StageCamera, report: Report) -> None:
     """Render one view as a picture and as linear light."""
     _frame_part(scene, job)
+    times = job.quality.above if view.from_above else 1
+    set_samples(scene, job.quality.samples * times, job.part)
 
     # Cycles prints no samples on standard output; this is where it tells them.
     def on_stats(status: str, *_: Any) -> None:
