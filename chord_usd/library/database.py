@@ -41,7 +41,7 @@ _GENERATOR = (
 )
 """Sources that the bytes of the assets depend on, beside the facts in `_CATEGORY_FACTS`."""
 
-_CATEGORY_FACTS = ("name", "wikidata")
+_CATEGORY_FACTS = ("name", "wikidata", "kg_per_m3")
 """Columns of categories.tsv that components state; a change of the others keeps drawn assets."""
 
 _REBUILD = "chord-usd assets build -o FOLDER"

@@ -186,7 +186,8 @@ def test_a_cache_that_is_a_file_is_an_output_error(
 
 
 @pytest.mark.parametrize(
-    ("column", "kept"), [("rooms", True), ("words", True), ("wikidata", False)]
+    ("column", "kept"),
+    [("rooms", True), ("words", True), ("wikidata", False), ("kg_per_m3", False)],
 )
 def test_drawn_assets_stay_where_a_fact_changes_that_they_do_not_state(
     monkeypatch: pytest.MonkeyPatch, column: str, kept: bool
