@@ -181,15 +181,16 @@ class Resampler:
 
 def listed_well(
     graph: SceneGraph, rooms: Sequence[Room], draw: Draw, times: int
-) -> tuple[SceneGraph | None, frozenset[str]]:
-    """The house with lists, and ids of rooms that they leave wrong. A room where something is wrong
-    is listed again, so often at most, before anything is painted: what costs less stays."""
+) -> tuple[SceneGraph | None, frozenset[str], frozenset[str]]:
+    """The house with lists, ids of rooms that they leave wrong, and of rooms with a later list.
+    A room where something is wrong is listed again, so often at most, before anything is painted:
+    what costs less stays."""
     from chord_usd.base.metrics.design.price import house_price
 
     listed = draw.listed(graph, rooms)
     if listed is None:
-        return None, frozenset()
-    faults = faults_by_room(listed, draw)
+        return None, frozenset(), frozenset()
+    faults, later = faults_by_room(listed, draw), set[str]()
     for attempt in range(1, times + 1):
         due = [room for room in rooms if room.id in faults and room.id not in draw.shut]
         if not due:
@@ -202,7 +203,8 @@ def listed_well(
             wrong = faults_by_room(tried, draw)
             if house_price(tried, wrong) < house_price(listed, faults):
                 listed, faults = tried, wrong
-    return listed, frozenset(faults)
+                later.add(room.id)
+    return listed, frozenset(faults), frozenset(later)
 
 
 def mend_rooms(

@@ -65,6 +65,8 @@ class FurnishedStorey:
     """The pieces of lists; None without lists."""
     listed_wrong: frozenset[str] = frozenset()
     """Ids of rooms that no list leaves right: they are not sampled again in vain."""
+    listed_again: frozenset[str] = frozenset()
+    """Ids of rooms that hold a later list than the first."""
     mended: Mended | None = None
     tabletops: Tabletops | None = None
 
@@ -76,7 +78,8 @@ class FurnishedStorey:
     @property
     def redrawn(self) -> tuple[str, ...]:
         """Ids of the rooms whose furniture is that of a later sample."""
-        return self.mended.rooms if self.mended else ()
+        painted = self.mended.rooms if self.mended else ()
+        return (*painted, *sorted(self.listed_again.difference(painted)))
 
     @property
     def left_out(self) -> tuple[str, ...]:
@@ -191,7 +194,7 @@ def furnished(plan: Path, settings: Settings, models: Models) -> SceneGraph:
 
 def list_pieces(made: FurnishedStorey, _: Progress) -> None:
     """List the pieces of each room, the draft that the painter sees."""
-    made.listed, made.listed_wrong = listed_well(
+    made.listed, made.listed_wrong, made.listed_again = listed_well(
         made.graph, made.plan.rooms, made.draw, made.settings.redraws
     )
     if made.listed is not None and made.draw.locked:
