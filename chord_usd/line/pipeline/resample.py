@@ -222,7 +222,7 @@ def mend_rooms(
 
     graph: as the sampler reads it in layout. times: samples of a room that has faults; one that
     lacks what it shall hold is sampled WISH_DRAWS times at least. spared: ids of rooms that are
-    sampled for that alone. settle: what is done to a sample
+    sampled once, but for that. settle: what is done to a sample
     before its faults are looked at.
     """
     from chord_usd.base.metrics.design.price import house_price
@@ -237,7 +237,8 @@ def mend_rooms(
                 progress(attempt, times)
 
     def due(house: SceneGraph, attempt: int) -> list[Room]:
-        wrong = {*(faults(house).keys() - spared if attempt <= times else ()), *draw.lacking(house)}
+        rooms = faults(house).keys() - (spared if attempt > 1 else ())
+        wrong = {*(rooms if attempt <= times else ()), *draw.lacking(house)}
         return [room for room in house.rooms if room.id in wrong]
 
     def cost(house: SceneGraph) -> float:

@@ -64,7 +64,7 @@ class FurnishedStorey:
     listed: SceneGraph | None = None
     """The pieces of lists; None without lists."""
     listed_wrong: frozenset[str] = frozenset()
-    """Ids of rooms that no list leaves right: they are not sampled again in vain."""
+    """Ids of rooms that no list leaves right: they are sampled once more, not twice."""
     listed_again: frozenset[str] = frozenset()
     """Ids of rooms that hold a later list than the first."""
     mended: Mended | None = None
