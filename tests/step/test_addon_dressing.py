@@ -58,7 +58,7 @@ def edits_of(told: Told) -> Sdf.Layer:
 
 def test_nothing_of_the_house_has_a_number_for_a_name(dressed: Told) -> None:
     assert not [name for name in dressed["names"] if "." in name]
-    assert "Bedroom_0 Wall_0" in dressed["names"]
+    assert "Wall_0_Bedroom_0" in dressed["names"]
 
 
 def test_the_sun_is_as_strong_as_the_house_says(dressed: Told) -> None:

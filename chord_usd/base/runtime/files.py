@@ -447,4 +447,5 @@ def link_or_copy(source: Path, target: Path) -> None:
     try:
         os.link(source, target)
     except OSError:
-        shutil.copy2(source, target)
+        if not (target.exists() and source.samefile(target)):
+            shutil.copy2(source, target)

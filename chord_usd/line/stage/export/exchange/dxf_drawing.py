@@ -194,7 +194,7 @@ class _Sheet:
     def draw_stair(self, stair: BuiltStairs) -> None:
         """An outline of each step at its height, and the line that one walks up."""
         for solid in stair.solids:
-            if not solid.path.endswith("/Steps"):
+            if not solid.path.rsplit("/", 1)[-1].startswith("Steps"):
                 continue
             triangles = solid.mesh.vertices[solid.mesh.faces]
             level = np.ptp(triangles[:, :, 2], axis=1) < _GRID_M

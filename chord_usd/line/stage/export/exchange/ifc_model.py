@@ -179,7 +179,8 @@ class _Storey:
             )  # fmt: skip
             parts = []
             for number, solid in enumerate(stair.solids):
-                kind = "IfcStairFlight" if solid.path.endswith("/Steps") else "IfcRailing"
+                is_flight = solid.path.rsplit("/", 1)[-1].startswith("Steps")
+                kind = "IfcStairFlight" if is_flight else "IfcRailing"
                 mesh = b.triangles(solid.mesh.vertices, solid.mesh.faces, None)
                 key = f"{stair.id}_{number}"
                 parts.append(
