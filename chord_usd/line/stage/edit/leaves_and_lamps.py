@@ -31,16 +31,22 @@ _ROOMS = "chord:rooms"
 
 
 @dataclass(frozen=True, eq=False)
-class LeafThere:
-    """A leaf of a door, window or piece of furniture on a stage."""
+class ThingThere:
+    """What has a state on a stage."""
 
     path: Sdf.Path
     names: frozenset[str]
     """Of prims, in small letters: of what it is a part of."""
     category: str
-    """door, window, or that of the piece."""
+    """door, window, that of the piece or of the lamp; "" for the area light of a room."""
     rooms: tuple[str, ...]
     """Names of the prims of the rooms that it is in or between."""
+
+
+@dataclass(frozen=True, eq=False)
+class LeafThere(ThingThere):
+    """A leaf of a door, window or piece of furniture."""
+
     piece: Sdf.Path | None
     """Of the piece of furniture."""
     turns: bool
@@ -52,17 +58,8 @@ class LeafThere:
 
 
 @dataclass(frozen=True, eq=False)
-class LightThere:
-    """A light of a room on a stage."""
-
-    path: Sdf.Path
-    names: frozenset[str]
-    category: str
-    """That of the lamp; "" for the area light of the room."""
-    rooms: tuple[str, ...]
-
-
-ThingThere = LeafThere | LightThere
+class LightThere(ThingThere):
+    """A light of a room."""
 
 
 def things_there(stage: Usd.Stage) -> list[ThingThere]:
@@ -94,7 +91,7 @@ def give_states(
         for entry, state in states:
             if isinstance(entry, LeafThere):
                 _set_leaf(layer, entry, state, free.get(entry.path, 1.0))
-            else:
+            elif isinstance(entry, LightThere):
                 _set_light(layer, entry, state)
         layer.Save()
         return layer
