@@ -8,7 +8,9 @@ import numpy as np
 
 from chord_usd.base.metrics.design.rule import Measured, Rule, flag
 from chord_usd.base.metrics.design.view import View
+from chord_usd.base.scene.palette import having
 
+_SINGLES = having("easy_chair")
 _AT_TABLE_M = 0.45
 """A chair of a table stands no farther from it."""
 _CHAIR_M = 0.44
@@ -70,6 +72,15 @@ def _pull_out(view: View, table: int, chair: int, chairs: list[int]) -> float:
     return view.beside(table, sign, at - half, at + half, chairs)
 
 
+def _lounge(view: View) -> Iterator[Measured]:
+    """From the table to the nearest sofa or armchair."""
+    seats = view.of("sofa", *_SINGLES)
+    for table in view.of("dining_table") if seats else ():
+        away = view.gaps(table)[seats]
+        near = seats[int(np.argmin(away))]
+        yield Measured(float(away.min()), view.point(near), _id(view, near, table))
+
+
 def _next_door(view: View) -> Iterator[Measured]:
     for table in view.of("dining_table"):
         yield flag(not view.shell.joins_kitchen, view.point(table), *_id(view, table))
@@ -91,6 +102,7 @@ RULES: tuple[Rule[View], ...] = (
     Rule("behind the table's edge to pull a chair out", 0.75, "m", "NKBA 8", _behind),
     Rule("behind the table's edge where nobody passes", 0.81, "m", "NKBA 8", _behind, weight=0.5),
     Rule("behind the table's edge to edge past", 0.91, "m", "NKBA 8", _behind, weight=0.3),
+    Rule("from the table to seats of the lounge", 0.61, "m", "HUD 1973", _lounge, weight=0.5),
     Rule("kitchen not next door", 0, "count", "planning guides", _next_door, at_most=True),
     Rule(
         "table too short by", 0.0, "m", "Time-Saver Standards", _lengths, at_most=True, weight=0.3
