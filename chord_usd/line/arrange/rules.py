@@ -131,8 +131,8 @@ RULES: tuple[Rule, ...] = (
     Rule("ways kept open", "drawn", open_ways),
     Rule("panels on their walls", "meshed", hang_on_walls),
     Rule("off casings and sills", "meshed", clear_trim),
-    Rule("leaves free", "meshed", free_leaves),
     Rule("chairs clear of tables", "meshed", draw_out_chairs),
     Rule(ASKEW, "meshed", leave_askew),
+    Rule("leaves free", "meshed", free_leaves),
 )
 """In the order in which they are applied."""
