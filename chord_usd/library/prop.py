@@ -158,7 +158,8 @@ def write_thumbnail(design: Design, parts: Sequence[Part], package: Path) -> Non
     size = f"{THUMBNAIL_PX}x{THUMBNAIL_PX}"
     file = package / PROP / ".thumbs" / size / f"{design.id}.usda.png"
     file.parent.mkdir(parents=True)
-    Image.fromarray(pixels).quantize(_COLOURS).save(file, "PNG", optimize=True)
+    few = Image.fromarray(pixels).quantize(_COLOURS, Image.Quantize.FASTOCTREE)
+    few.save(file, "PNG", optimize=True)
 
 
 def prop_files(name: str) -> tuple[str, ...]:
