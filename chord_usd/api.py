@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from chord_usd.base.errors import ChordError, RenderError
+from chord_usd.base.runtime import house_history
 from chord_usd.base.runtime.files import deliver
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.locations import absolute
@@ -199,6 +200,7 @@ class House:
         sampler, 1 to 1000; None takes the checkpoint's own. asset_folders: of further meshes.
         device: auto, cpu or cuda. Raises ChordError, and the stage is as it was.
         """
+        from chord_usd.base.runtime.alone import alone_with
         from chord_usd.line.lists.wishes import read_pieces
         from chord_usd.line.pipeline import Settings, one_room
 
@@ -207,12 +209,13 @@ class House:
             dressing=dressing, tabletop=tabletop,
         )  # fmt: skip
         watch = _watch(progress)
-        made = one_room.regenerate(
-            self.path, room, settings, watch, seed, keep=keep,
-            wishes=read_pieces(wish or None, without or None),
-        )  # fmt: skip
-        with watch.step("stage"):
-            one_room.write_regenerated(made, self.path)
+        with alone_with(self.path):
+            made = one_room.regenerate(
+                self.path, room, settings, watch, seed, keep=keep,
+                wishes=read_pieces(wish or None, without or None),
+            )  # fmt: skip
+            with watch.step("stage"):
+                one_room.write_regenerated(made, self.path)
         self._written = _state(self.path)
         return self
 
@@ -251,13 +254,34 @@ class House:
         """Open and close doors and switch lamps ("doors: closed; bedroom 1 lamp: off"), in place
         on the stage; returns the paths of the prims that have a state now. Raises ChordError for
         what is not there, and then changes nothing."""
-        from chord_usd.base.runtime.alone import alone_with
         from chord_usd.line.pipeline.house_states import set_states
 
-        with alone_with(self.path):
-            stated = set_states(self.path, self.path, states)
+        stated = set_states(self.path, self.path, states)
         self._written = _state(self.path)
         return tuple(dict.fromkeys(path for one in stated for path in one.paths))
+
+    @property
+    def history(self) -> tuple[house_history.Change, ...]:
+        """What was done to the house, the earliest first, as far as it is kept. Raises
+        StageError for a history of another version."""
+        return house_history.read_history(self.path).changes
+
+    def undo(self) -> house_history.Change:
+        """Give the house the state before its latest change; returns that change. Raises
+        StageError where no earlier state is kept whole, OutputError while it is being changed."""
+        return self._put_back(house_history.undo(self.path))
+
+    def redo(self) -> house_history.Change:
+        """Do again what was undone last; returns that change. Raises as undo does."""
+        return self._put_back(house_history.redo(self.path))
+
+    def go_to(self, number: int) -> house_history.Change:
+        """Give the house the state of any change of its history. Raises as undo does."""
+        return self._put_back(house_history.go_to(self.path, number))
+
+    def _put_back(self, change: house_history.Change) -> house_history.Change:
+        self._written = _state(self.path)
+        return change
 
     def export(self, target: Package, path: FilePath, *, overwrite: bool = False) -> Path:
         """Write the house as a package for other programs; returns its path.
@@ -366,7 +390,8 @@ def generate(
     house = House(folder.path / "house.usda" if folder else output or "", folder)
     named = [Named("plan", one, Path) for one in plans]
     check_named([*named, Named("output", house.path, output_file)])
-    with deliver() as delivery:
+    deed = house_history.Deed("generate", ", ".join(one.name for one in plans))
+    with house_history.recorded(house.path, deed), deliver() as delivery:
         target = delivery.place(house.path)
         _warn(pipeline.generate(plans, target, settings, _watch(progress)).warnings)
     house._written = _state(house.path)

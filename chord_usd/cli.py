@@ -32,7 +32,7 @@ from chord_usd.base.runtime.progress import held_lines
 GROUPS = {
     "make a house": ("generate", "render", "serve"),
     "look at a house and change it": (
-        "check", "describe", "diff", "edit", "regenerate", "export",
+        "check", "describe", "diff", "edit", "regenerate", "undo", "redo", "history", "export",
     ),
     "one step at a time": ("plan", "layout", "graph", "stage"),
     "many houses, many machines": ("batch", "farm", "mcp"),

@@ -1,28 +1,17 @@
-"""What of the disk an agent sees: files below one folder, and earlier states of its houses."""
+"""What of the disk an agent sees: files below one folder."""
 
 from __future__ import annotations
 
-import json
 import os
-import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from chord_usd.base.runtime.files import deliver, hash_file
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
 from chord_usd.faces.commands.paths import UsageError, refuse_odd_name
 
 MOST_LISTED = 500
 """Files in one answer; an agent reads all of it."""
-
-MOST_KEPT = 20
-"""Earlier states of one house."""
-
-_KEPT = ".chord-usd-kept"
-_AFTER = "after.json"
-_NAME = "house"
 
 
 class AgentFiles:
@@ -100,70 +89,6 @@ class AgentFiles:
                 inside = self._real(path).is_relative_to(self.root)
                 if inside and path.is_file() and not name.startswith("."):
                     yield path
-
-    # earlier states ---------------------------------------------------------------------------
-
-    @contextmanager
-    def kept(self, house: Path) -> Iterator[None]:
-        """Around what edits a house in its place: what it was stays, to be had again.
-
-        Kept are the house's own file and its attribution: edits add to the rest, take nothing away.
-        """
-        before = hash_file(house)
-        numbers = self._states(house)
-        state = self._folder(house) / f"{numbers[-1] + 1 if numbers else 1:06d}"
-        state.mkdir(parents=True)
-        for number, file in enumerate(_own_files(house)):
-            if file.exists():
-                shutil.copyfile(file, state / f"{_NAME}{number}")
-        try:
-            yield
-        finally:
-            after = hash_file(house) if house.exists() else before
-            if after == before:
-                shutil.rmtree(state)
-            else:
-                (state / _AFTER).write_text(json.dumps({"sha256": after}))
-                for number in numbers[: len(numbers) + 1 - MOST_KEPT]:
-                    shutil.rmtree(self._folder(house) / f"{number:06d}")
-
-    def undo(self, house: Path) -> int:
-        """Give a house the state before its last edit; returns how many earlier ones are left.
-
-        Raises UsageError where no state is kept, and where the house was changed since by others.
-        """
-        numbers = self._states(house)
-        where = self.name(house)
-        if not numbers:
-            raise UsageError(
-                "has no earlier state", where=where, expected="a house that was edited by a tool"
-            )
-        state = self._folder(house) / f"{numbers[-1]:06d}"
-        if json.loads((state / _AFTER).read_text())["sha256"] != hash_file(house):
-            raise UsageError(
-                "was changed by another program since the last edit, which undo would lose",
-                where=where,
-                expected="a house as the last edit left it",
-            )
-        with deliver() as delivery:
-            staged = delivery.place(house)
-            for number, file in enumerate(_own_files(house)):
-                kept = state / f"{_NAME}{number}"
-                if kept.exists():
-                    shutil.copyfile(kept, staged.with_name(file.name))
-        shutil.rmtree(state)
-        return len(numbers) - 1
-
-    def _folder(self, house: Path) -> Path:
-        return self.root / _KEPT / house.relative_to(self.root)
-
-    def _states(self, house: Path) -> list[int]:
-        """Numbers of the states that can be had again, the earliest first."""
-        return sorted(int(file.parent.name) for file in self._folder(house).glob(f"*/{_AFTER}"))
-
-
-def _own_files(house: Path) -> tuple[Path, Path]:
-    return house, house.with_name(f"{house.stem}_attribution.txt")
 
 
 def _is_house(name: str) -> bool:

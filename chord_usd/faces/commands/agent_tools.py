@@ -42,8 +42,9 @@ INSTRUCTIONS = """\
 Furnish floor plans and edit furnished houses (OpenUSD). All paths are below one folder and relative
 to it. list_files says what is there. A plan becomes a house with furnish; look shows a house and
 names its rooms and pieces, which other tools take; edit changes a house as a sentence says,
-refurnish_room furnishes one room anew, and undo takes either back; check says whether the
-certificate holds. Files are never replaced: give new names."""
+refurnish_room furnishes one room anew; undo takes back whatever changed it, redo does it again, and
+history lists all that was done; check says whether the certificate holds. Files are never replaced:
+give new names."""
 
 RunVerb = Callable[[Sequence[str], Path, Told], Awaitable[Answer]]
 Content = list[TextContent | ImageContent]
@@ -171,7 +172,7 @@ class HouseTools:
             words += _option("without", unwanted)
             words += [word for name in keep for word in _option("keep", name)]
             words += words_of(options, unset=("style", "seed"))
-            answer = await self._call(words, [path, target], ctx, edits=path == target)
+            answer = await self._call(words, [path, target], ctx)
             return _answered(answer.data)
 
     async def edit(
@@ -197,8 +198,7 @@ class HouseTools:
             words += ["--dry-run"] * dry_run + ["--force"] * force
             words += _option("state", state)
             words += [self._word(path), *([f" {sentence}"] if sentence else [])]
-            edits = path == target and not dry_run
-            answer = await self._call(words, [path, target], ctx, edits=edits)
+            answer = await self._call(words, [path, target], ctx)
             return _answered(answer.data)
 
     async def render(
@@ -242,13 +242,24 @@ class HouseTools:
             words += _option("output", self._word(target))
             return _answered((await self._call(words, [path, target], ctx)).data)
 
-    async def undo(self, house: House) -> Content:
-        """Give a house the state before the last edit or refurnish_room."""
+    async def undo(self, house: House, ctx: Context) -> Content:
+        """Take back the latest change of a house, whoever made it; redo does it again."""
+        return await self._past("undo", house, ctx)
+
+    async def redo(self, house: House, ctx: Context) -> Content:
+        """Do again what undo took back last."""
+        return await self._past("redo", house, ctx)
+
+    async def history(self, house: House, ctx: Context, to: int | None = None) -> Content:
+        """List what was done to a house; with a number of the list, go back to that state."""
+        return await self._past("history", house, ctx, *_option("to", to))
+
+    async def _past(self, verb: str, house: str, ctx: Context, *options: str) -> Content:
         with _told_as_tools_do():
             path = self._files.there(house)
-            async with self._alone([path]):
-                left = await anyio.to_thread.run_sync(self._files.undo, path)
-            return _answered({"stage": self._files.name(path), "earlier_states": left})
+            return _answered(
+                (await self._call([verb, self._word(path), *options], [path], ctx)).data
+            )
 
     async def diff(self, before: House, after: House, ctx: Context) -> Content:
         """Say what changed between two houses."""
@@ -264,19 +275,14 @@ class HouseTools:
         """A sky's name; a picture is a file like any other."""
         return self._word(self._files.there(sky)) if Path(sky).suffix else sky
 
-    async def _call(
-        self, words: list[str], paths: Sequence[Path], ctx: Context, *, edits: bool = False
-    ) -> Answer:
-        """Run a verb when nobody else works on these paths. edits: changes the first of them."""
+    async def _call(self, words: list[str], paths: Sequence[Path], ctx: Context) -> Answer:
+        """Run a verb when nobody else works on these paths."""
 
         async def told(step: str, done: int, total: int) -> None:
             await ctx.report_progress(done, total, step)
 
         async with self._alone(paths):
-            if not edits:
-                return await self._run(words, self._files.root, told)
-            with self._files.kept(paths[0]):
-                return await self._run(words, self._files.root, told)
+            return await self._run(words, self._files.root, told)
 
     @asynccontextmanager
     async def _alone(self, paths: Sequence[Path]) -> AsyncIterator[None]:
@@ -334,8 +340,8 @@ def make_server(root: Path, run: RunVerb = run_verb) -> MCPServer:
     kinds: list[tuple[Callable[..., Awaitable[Content]], ToolAnnotations]] = [
         (tools.list_files, reads), (tools.read_plan, adds), (tools.furnish, adds),
         (tools.look, reads), (tools.edit, changes), (tools.refurnish_room, changes),
-        (tools.undo, changes), (tools.diff, reads), (tools.check, reads), (tools.render, adds),
-        (tools.export, adds),
+        (tools.undo, changes), (tools.redo, changes), (tools.history, changes),
+        (tools.diff, reads), (tools.check, reads), (tools.render, adds), (tools.export, adds),
     ]  # fmt: skip
     for tool, kind in kinds:
         server.add_tool(tool, annotations=kind)

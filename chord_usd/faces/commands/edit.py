@@ -97,12 +97,11 @@ def run(options: argparse.Namespace) -> Outcome:
 
 def _set_states(source: Path, target: Path, options: argparse.Namespace) -> Outcome:
     """Gives doors and lamps the states of an option."""
-    from chord_usd.base.runtime.alone import alone_with
     from chord_usd.line.pipeline.house_states import set_states
     from chord_usd.line.stage.check.check_stage import certificate, check_stage
 
     watch = stopwatch(options)
-    with alone_with(source), watch.step("stage"):
+    with watch.step("stage"):
         stated = set_states(source, target, options.state, dry_run=options.dry_run)
     with watch.step("check"):
         check = certificate(check_stage(source if options.dry_run else target))

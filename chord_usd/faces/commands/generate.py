@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.runtime.counting import counted, counted_rooms
 from chord_usd.base.runtime.files import deliver
+from chord_usd.base.runtime.house_history import Deed, recorded
 from chord_usd.base.scene.settings import OPTIONS
 from chord_usd.faces.commands.certified import add_check, certified, holds, reported
 from chord_usd.faces.commands.common import (
@@ -88,7 +89,11 @@ def run(options: argparse.Namespace) -> Outcome:
         )  # fmt: skip
     require(settings)
     watch = stopwatch(options)
-    with plan_source(options, settings, watch) as (plans, planned), deliver() as delivery:
+    deed = Deed("generate", ", ".join(one.name for one in options.plan) or options.text or "")
+    with (
+        plan_source(options, settings, watch) as (plans, planned),
+        recorded(options.output, deed), deliver() as delivery,
+    ):  # fmt: skip
         stage = delivery.place(options.output)
         settings = without_scale(settings) if planned else settings
         house = generate(plans, stage, settings, watch, every=options.storeys)

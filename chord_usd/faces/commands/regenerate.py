@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from chord_usd.base.runtime.alone import alone_with
 from chord_usd.base.runtime.counting import counted
 from chord_usd.base.runtime.files import deliver
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
@@ -83,7 +84,7 @@ def run(options: argparse.Namespace) -> Outcome:
     settings = settings_of(options)
     wishes = read_pieces(*(own and "\n".join(own) for own in (options.wanted, options.without)))
     watch = stopwatch(options)
-    with deliver() as delivery:
+    with alone_with(source), deliver() as delivery:
         layout_out = delivery.place(options.layout_out) if options.layout_out else None
         graph_out = delivery.place(options.graph_out) if options.graph_out else None
         made = regenerate(

@@ -179,6 +179,29 @@ class Edited(TypedDict):
     certificate: Certificate
 
 
+class PastChange(TypedDict):
+    """A change of a house that can be had again; parent: the number of the one before it."""
+
+    number: int
+    parent: int | None
+    made: str
+    verb: str
+    words: str
+
+
+class Past(TypedDict):
+    """history, undo, redo. number: of the change that the house stands at; undo, redo: of those
+    that these verbs lead to; change: of the one that was undone, done again or gone to."""
+
+    stage: str
+    number: int
+    undo: int | None
+    redo: int | None
+    changes: list[PastChange]
+    done: NotRequired[str]
+    change: NotRequired[int]
+
+
 class Staged(TypedDict):
     """stage."""
 
@@ -352,6 +375,7 @@ class Script(TypedDict):
 
 RESULTS: dict[str, Any] = {
     "generate": Generated, "regenerate": Regenerated, "edit": Edited, "stage": Staged,
+    "undo": Past, "redo": Past, "history": Past,
     "check": Certificate, "diff": Changed, "describe": Described, "export": Exported,
     "render": Rendered, "layout": LayoutDrawn, "graph": GraphRead, "plan read": PlanRead,
     "plan draw": PlanDrawn, "plan from-text": PlannedPlan, "plan from-outline": PlannedPlan,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from chord_usd.base.runtime.counting import counted_rooms
 from chord_usd.base.runtime.files import deliver
+from chord_usd.base.runtime.house_history import Deed, recorded
 from chord_usd.base.scene.styles import MIXED, STYLES
 from chord_usd.faces.commands.certified import add_check, certified, holds, reported
 from chord_usd.faces.commands.common import (
@@ -44,7 +45,7 @@ def run(options: argparse.Namespace) -> Outcome:
     require(settings)
     scene_file = existing_file(options.scene)
     watch = stopwatch(options)
-    with deliver() as delivery:
+    with recorded(options.output, Deed("stage", scene_file.name)), deliver() as delivery:
         target = delivery.place(options.output)
         with watch.step("load"):
             graph = read_scene_file(scene_file, settings)

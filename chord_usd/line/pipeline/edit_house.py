@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chord_usd.base.errors import ChordError, StageError
+from chord_usd.base.runtime.house_history import Deed
 from chord_usd.base.runtime.progress import Stopwatch
 from chord_usd.base.scene.settings import Settings
 from chord_usd.base.scene.styles import MIXED, HomeStyle, style_named
@@ -34,6 +35,7 @@ class Reading:
     understood: Understood
     written: StagedHouse
     """As it is at source."""
+    sentence: str
 
     @property
     def rooms(self) -> tuple[str, ...]:
@@ -119,7 +121,7 @@ def _read_on(source: Path, sentence: str, edits: Path | None, room_name: str) ->
     graph = replace(house.graph, rooms=tuple(named.values()))
     house = replace(house, graph=graph)
     rooms = {name: room for name, room in named.items() if not is_cell(room)}
-    return Reading(source, house, understand(sentence, graph, rooms), written)
+    return Reading(source, house, understand(sentence, graph, rooms), written, sentence)
 
 
 def _load_what_edits() -> None:
@@ -287,7 +289,7 @@ def _write(
             raise _TriedError("a dry run")
 
     with watch.step("stage"), suppress(_TriedError):
-        edit_rooms(reading.source, target, change, accept)
+        edit_rooms(reading.source, target, change, Deed("edit", reading.sentence), accept)
     return found[0]
 
 

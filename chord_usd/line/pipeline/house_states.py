@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chord_usd.base.errors import ChordError
+from chord_usd.base.runtime.alone import alone_with
 from chord_usd.base.runtime.stages import open_stage, reading
 from chord_usd.base.scene.states import WHERE, Clause, read_states
 from chord_usd.base.scene.types import Room
@@ -45,14 +46,15 @@ def set_states(
     from chord_usd.line.stage.read.titled_rooms import titled_rooms
 
     clauses = read_states(text)
-    rooms = titled_rooms(source)
-    with reading(source):
-        stage = open_stage(source)
-        there = things_there(stage)
-        meant = [(clause, _meant(clause, there, rooms)) for clause in clauses]
-    if not dry_run:
-        states = [(entry, clause.state) for clause, things in meant for entry in things]
-        give_states(source, target, stage, states)
+    with alone_with(source):
+        rooms = titled_rooms(source)
+        with reading(source):
+            stage = open_stage(source)
+            there = things_there(stage)
+            meant = [(clause, _meant(clause, there, rooms)) for clause in clauses]
+        if not dry_run:
+            states = [(entry, clause.state) for clause, things in meant for entry in things]
+            give_states(source, target, stage, states, text)
     return tuple(
         Stated(clause.subject, clause.state, tuple(str(entry.path) for entry in things))
         for clause, things in meant

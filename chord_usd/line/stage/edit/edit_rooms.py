@@ -11,6 +11,7 @@ from pathlib import Path
 from pxr import Gf, Sdf
 
 from chord_usd.base.errors import StageError
+from chord_usd.base.runtime.house_history import Deed
 from chord_usd.base.runtime.stages import open_layer
 from chord_usd.base.scene.geometry import to_own, to_world
 from chord_usd.base.scene.types import Box, Provenance, StageFile
@@ -56,8 +57,9 @@ class RoomsChange:
 
 
 def edit_rooms(
-    source: Path, target: Path, change: RoomsChange, accept: Callable[[Path], None] | None = None
-) -> StageFile:
+    source: Path, target: Path, change: RoomsChange, deed: Deed,
+    accept: Callable[[Path], None] | None = None,
+) -> StageFile:  # fmt: skip
     """Write source to target with some rooms changed; arguments and errors as rewrite has them."""
     for name in change.rooms:
         require_furniture(source, name)
@@ -81,7 +83,7 @@ def edit_rooms(
         layer.Save()
         return layer
 
-    return rewrite(source, target, edit, made, accept)
+    return rewrite(source, target, edit, made, deed, accept)
 
 
 def _rooms_of(piece: PieceChange) -> Iterator[Sdf.Path]:

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdPhysics
 
+from chord_usd.base.runtime.house_history import Deed
 from chord_usd.base.runtime.stages import open_layer, room_prims
 from chord_usd.base.scene.articulation import ARTICULATION, JOINTED
 from chord_usd.base.scene.states import OPENED, USUAL
@@ -79,10 +80,15 @@ def things_there(stage: Usd.Stage) -> list[ThingThere]:
 
 
 def give_states(
-    source: Path, target: Path, stage: Usd.Stage, states: Sequence[tuple[ThingThere, str]]
+    source: Path,
+    target: Path,
+    stage: Usd.Stage,
+    states: Sequence[tuple[ThingThere, str]],
+    said: str,
 ) -> None:
     """Write a house to target, which may be source, with leaves and lights in these states, in
-    this order. stage: the house at source, as things_there left it. Raises as rewrite does."""
+    this order. stage: the house at source, as things_there left it. said: the words for these
+    states. Raises as rewrite does."""
     furniture = any(isinstance(entry, LeafThere) and entry.piece for entry, _ in states)
     free = free_shares(stage) if furniture else {}
 
@@ -96,7 +102,7 @@ def give_states(
         layer.Save()
         return layer
 
-    rewrite(source, target, edit, Provenance())
+    rewrite(source, target, edit, Provenance(), Deed("state", said))
 
 
 def free_shares(stage: Usd.Stage) -> dict[Sdf.Path, float]:

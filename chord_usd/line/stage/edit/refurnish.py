@@ -20,6 +20,7 @@ from pxr import Sdf, UsdUtils
 from chord_usd.base.errors import StageError
 from chord_usd.base.runtime.archives import Archive
 from chord_usd.base.runtime.files import Copies, deliver, destination, hash_file
+from chord_usd.base.runtime.house_history import Deed, recorded
 from chord_usd.base.runtime.locations import absolute
 from chord_usd.base.runtime.stages import (
     ELEVATION,
@@ -110,7 +111,10 @@ def refurnish(source: Path, target: Path, new: NewFurniture) -> StageFile:
     As rewrite does it, and with its errors.
     """
     require_furniture(source, new.room_name)
-    return rewrite(source, target, lambda path, finals: furnish_layer(path, finals, new), new.made)
+    deed = Deed("regenerate", new.room_name)
+    return rewrite(
+        source, target, lambda path, finals: furnish_layer(path, finals, new), new.made, deed
+    )
 
 
 def rewrite(
@@ -118,9 +122,10 @@ def rewrite(
     target: Path,
     edit: EditLayer,
     made: Provenance,
+    deed: Deed,
     accept: Callable[[Path], None] | None = None,
 ) -> StageFile:
-    """Write source to target with its own layer edited.
+    """Write source to target with its own layer edited, and note the deed in target's history.
 
     target may be source itself; elsewhere, everything the stage points to is copied beside it.
     accept: looks at the stage, whole, before it is delivered, and raises what speaks against it.
@@ -134,7 +139,7 @@ def rewrite(
             expected=f"-o with the suffix {source.suffix}",
         )
     _require_own(source, target)
-    with reading(source), deliver() as delivery:
+    with reading(source), recorded(target, deed), deliver() as delivery:
         staged = delivery.place(target)
         if source.suffix == ".usdz":
             _edit_archive(source, staged, target, edit)
