@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import product
 
+import numpy as np
+
 from chord_usd.base.metrics.complete import WALLED
 from chord_usd.base.metrics.design.bedroom_rules import bedside
 from chord_usd.base.metrics.design.kitchen_rules import LAUNDRY, runs_of
@@ -15,7 +17,7 @@ from chord_usd.base.metrics.design.view import View
 from chord_usd.base.places.wall_frames import Size, WallFrame
 from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.palette import CATEGORIES
-from chord_usd.base.scene.types import Box, Item
+from chord_usd.base.scene.types import Box, FloatArray, Item
 from chord_usd.base.scene.units import wrap_deg
 
 SHOWERS_M = (0.9, 0.8)
@@ -30,6 +32,9 @@ _SINGLE, _NARROWEST_M, _WIDEST_M, _TOUCH_M = "single_door_floor_cabinet", 0.15, 
 """Units with one door, and their widths."""
 NEAR_M = (0.1, 0.2, 0.35, 0.5)
 """Steps from where a piece stood."""
+
+_GROUP = ("sofa", "sofa_background", "coffee_table", "single_sofa", "leisure_sofa")
+"""What moves with a sofa."""
 
 Change = tuple[Item, ...]
 """All pieces of a room after a change."""
@@ -217,6 +222,34 @@ def _slid(category: str) -> Callable[[View], Iterator[Change]]:
     return propose
 
 
+def _on_axis(view: View) -> Iterator[Change]:
+    """The television's cabinet before the middle of the sofa; or the whole group moved aside, to
+    the middle of what it faces."""
+    sofa = longest_sofa(view)
+    if sofa is None or not view.televisions:
+        return
+    at_sofa = view.at[sofa]
+    screen = min(view.televisions, key=lambda one: float(np.hypot(*(one.at - at_sofa))))
+    aside = float(view.own(sofa, screen.at)[0])
+    for at in view.of("tv_cabinet"):
+        if view.items[at].id == screen.id:
+            for share in (1.0, 0.6):
+                u = float((view.right[sofa] @ view.right[at]) * -aside * share)
+                box = view.items[at].box
+                yield with_box(view, at, resized(box, *box.size_m[:2], u, 0.0))
+    group = loose(view, view.of(*_GROUP))
+    rest = but(view, group)
+    for share in (1.0, 0.6, 0.3):
+        step = view.right[sofa] * aside * share
+        yield (*rest, *(_shifted(view.items[at], step) for at in group))
+
+
+def _shifted(item: Item, step: FloatArray) -> Item:
+    x, y, z = item.box.center_m
+    dx, dy = step.tolist()
+    return replace(item, box=replace(item.box, center_m=(x + dx, y + dy, z)))
+
+
 def _without_bare(view: View) -> Iterator[Change]:
     """No cabinet for a television that has no place on it."""
     if view.bare:
@@ -272,6 +305,6 @@ BY_KIND = {
     "bathroom": (_shower, _basin),
     "washroom": (_basin,),
     "wc": (_basin,),
-    "living": (_slid("tv_cabinet"), _without_bare, _coffee_table, _armchairs),
+    "living": (_slid("tv_cabinet"), _on_axis, _without_bare, _coffee_table, _armchairs),
 }
 """By kind of room, in order."""

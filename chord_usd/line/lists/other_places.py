@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import product
+from itertools import islice, product
 
 import numpy as np
 
@@ -38,6 +38,7 @@ from chord_usd.line.lists.changes import (
 from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
 from chord_usd.line.lists.improve import free_of_clashes
 from chord_usd.line.lists.pieces import TALL_M
+from chord_usd.line.lists.second_zone import second_zone
 from chord_usd.line.lists.wardrobe_changes import (
     WARDROBE_M,
     another_wardrobe,
@@ -47,7 +48,7 @@ from chord_usd.line.lists.wardrobe_changes import (
 from chord_usd.line.lists.wet_places import composed
 
 _ALONE = frozenset((*WALLED, "shower", "bathtub", "table"))
-_TV_M = (1.4, 0.4, 0.47)
+_TV_M, _SMALL_TV_M = (1.4, 0.4, 0.47), (1.0, 0.35, 0.47)
 _ARMCHAIR_M = (0.8, 0.8, 0.85)
 _COFFEE_M = (0.9, 0.55, 0.42)
 _SOFA_M = (2.2, 0.9, 0.85)
@@ -58,12 +59,15 @@ _BEDS_M = ((1.6, 2.0, 0.5), (1.4, 2.0, 0.5), (0.9, 2.0, 0.5))
 _SIDEBOARDS = ("dining_cabinet", "side_coffee_table")
 _SPARE = (*_SIDEBOARDS, "table", "chair")
 """What a room that is slept in can do without before it does without sofa, bed and television."""
-_WEIGHED, _ZONED, _BEDS, _TABLES = 48, 8, 2, 10
+_AT_WALLS = ("cabinet", "shoe_cabinet")
+"""What finds another place in a living room once its group has one."""
+_WEIGHED, _ZONED, _BEDS, _TABLES, _LAID, _OTHERS = 24, 5, 2, 8, 2, 6
 """Groups that are weighed, those for which other furniture is placed elsewhere, places of a bed for
-each of these, and of a dining table for each of these."""
+each of these, and of a dining table for each of these; of tables those that stay, and places of
+each other piece."""
 _DEEP_M2 = 16.0
-_VIEWED_FROM_M = 2.2
-"""From the back of a sofa's seat to a television, where no wall is behind the sofa."""
+_VIEWED_FROM_M = (2.2, 3.0)
+"""From the front of a sofa to a television, where no wall is behind the sofa."""
 
 
 def changes_of(view: View) -> list[Propose]:
@@ -79,7 +83,7 @@ def changes_of(view: View) -> list[Propose]:
     elif view.of("bed"):
         changes += [*BY_KIND["bedroom"], longer_wardrobe, another_wardrobe]
     last: Mapping[str, Sequence[Propose]] = {
-        "living": (zoned, slept_in), "bedroom": (wardrobe_instead,),
+        "living": (zoned, slept_in, second_zone), "bedroom": (wardrobe_instead,),
     }  # fmt: skip
     return [*changes, *chairs, moved, *last.get(view.shell.kind, ())]
 
@@ -165,22 +169,62 @@ def sofa_groups(view: View) -> Iterator[Change]:
 
 
 def zoned(view: View) -> Iterator[Change]:
-    """The same with the dining table laid elsewhere, and without sideboards."""
+    """The group first, then the dining table, then sideboards; where the room has no television,
+    the group with one, and what stands at its walls after it, too."""
     if not any(one.findings for one in judged_room(view)):
         return
     tables = view.of("dining_table")
     chairs = {chair for table in tables for chair in chairs_of(view, table)}
     if len(loose(view, tables)) < len(tables):
         tables, chairs = [], set()
-    moves = [*tables, *chairs, *view.of(*_SIDEBOARDS)]
-    groups = list(_grouped(view, moves)) if moves else []
-    free = free_of_clashes(view, groups)
-    if not tables:
-        yield from free
-        return
-    for items in _best(view, free):
-        laid = list(laid_table(View(view.shell, items, view.hung), max(2, len(chairs))))
-        yield from laid[:: 1 + len(laid) // 2]
+    lacks = not view.televisions
+    again = loose(view, view.of(*_SIDEBOARDS, *(_AT_WALLS if lacks else ())))
+    moves = [*tables, *chairs, *again]
+    groups = free_of_clashes(view, list(_grouped(view, moves, lacks))) if moves else []
+    if lacks:
+        groups = [items for items in groups if View(view.shell, items, view.hung).televisions]
+    lost = [view.items[at] for at in again if view.categories[at] in _AT_WALLS]
+    for items in _unlike(view, groups):
+        for laid in _laid(view, items, len(chairs)) if tables else [items]:
+            if not lacks or View(view.shell, laid, view.hung).televisions:
+                yield _with_others(view, laid, lost)
+
+
+def _unlike(view: View, groups: Sequence[Change]) -> Iterator[Change]:
+    """The groups that break the fewest rules, no two with the sofa at the same place; the first of
+    each place with a television's cabinet and without stand for the others there."""
+
+    def sofa(items: Change) -> Box:
+        return next(item.box for item in items[::-1] if item.category == "sofa")
+
+    fullest = {(sofa(items), items[-1].category == "tv_cabinet"): items
+               for items in reversed(groups)}  # fmt: skip
+    best: dict[Box, Change] = {}
+    for items in _best(view, [*fullest.values()], _WEIGHED):
+        best.setdefault(sofa(items), items)
+    yield from islice(best.values(), _ZONED)
+
+
+def _laid(view: View, items: Change, seats: int) -> list[Change]:
+    """These pieces with a dining table for so many, or else for two, at its best places."""
+    room = View(view.shell, items, view.hung)
+    for count in dict.fromkeys((max(2, seats), 2)):
+        laid = free_of_clashes(room, list(laid_table(room, count)))
+        if laid:
+            return _best(room, laid[:: 1 + len(laid) // _TABLES], _LAID)
+    return []
+
+
+def _with_others(view: View, items: Change, others: Iterable[Item]) -> Change:
+    """These pieces with others where they stood, or else at the wall where they cost least; without
+    those that find no place."""
+    for other in others:
+        room = View(view.shell, items, view.hung)
+        there = free_of_clashes(room, [(*items, other)]) or free_of_clashes(
+            room, [(*items, moved_to(other, box)) for box in at_walls(room, other.box.size_m)]
+        )
+        items = next(iter(_best(room, there[:: 1 + len(there) // _OTHERS], 1)), items)
+    return items
 
 
 def slept_in(view: View) -> Iterator[Change]:
@@ -205,9 +249,9 @@ def _best(view: View, groups: Sequence[Change], most: int = _ZONED) -> list[Chan
     return sorted(some, key=lambda items: quick_price(View(view.shell, items, view.hung)))[:most]
 
 
-def _grouped(view: View, moves: Sequence[int]) -> Iterator[Change]:
+def _grouped(view: View, moves: Sequence[int], is_small: bool = False) -> Iterator[Change]:
     """The group at each of its places, without some other pieces; about what the plan shows of it,
-    which stays."""
+    which stays. is_small: also without armchairs, before a television that is narrow."""
     at = longest_sofa(view)
     first = new_piece(view, "sofa", Box((0.0, 0.0, 0.0), _SOFA_M, 0.0))
     longest = first if at is None else view.items[at]
@@ -237,8 +281,10 @@ def _grouped(view: View, moves: Sequence[int]) -> Iterator[Change]:
             for n, side in enumerate((-1, 1))
         ]
         # Beside a sofa that stays, there may be room for no seat.
-        some = [[]] if has_seats else [pair, pair[:1], pair[1:], *([[]] if is_given else ())]
-        walls = () if has_screen else _opposite(view, box, stand)
+        none: list[list[Item]] = [[]] if is_given or is_small else []
+        some = [[]] if has_seats else [pair, pair[:1], pair[1:], *none]
+        stands = dict.fromkeys((stand, _SMALL_TV_M) if is_small else (stand,))
+        walls = [] if has_screen else [one for size in stands for one in _opposite(view, box, size)]
         for seats, cabinet in product(some, (*walls, None)):
             shown = [new_piece(view, "tv_cabinet", cabinet)] if cabinet else []
             yield (*rest, *before, *seats, *shown)
@@ -248,8 +294,8 @@ def _sofa_places(view: View, size: Size, stand: Size) -> Iterator[Box]:
     """At each wall; in a room that is deep, also before a television of a size at each wall."""
     yield from at_walls(view, size, 0.5)
     if view.shell.area_m2 >= _DEEP_M2:
-        away = -(stand[1] / 2 + _VIEWED_FROM_M + size[1] / 2)
-        for screen in at_walls(view, stand, 0.6):
+        for screen, far in product(at_walls(view, stand, 0.6), _VIEWED_FROM_M):
+            away = -(stand[1] / 2 + far + size[1] / 2)
             yield _placed(screen, (0.0, away), size, 180.0)
 
 

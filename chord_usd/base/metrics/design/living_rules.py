@@ -5,15 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
+import cv2
 import numpy as np
 
 from chord_usd.base.metrics.design.rule import Measured, Rule, flag
 from chord_usd.base.metrics.design.screens import Screen
+from chord_usd.base.metrics.design.shell import CELL_M, Rects
 from chord_usd.base.metrics.design.view import View, clipped
 from chord_usd.base.scene.palette import having
 
 SINGLES = having("easy_chair")
+_GROUP = frozenset(("sofa", "coffee_table", "side_coffee_table", "lounge", *SINGLES))
+LARGE_M2 = 24.0
+"""From this area on a living room has a second zone beside that of the sofa."""
+_USED_M = 1.5
+"""Floor so near to a piece serves it."""
 _SEAT_M, _ARMS_M = 0.62, 0.3
+_ZONE_EDGE_M, _LOW_M = 0.1, 0.55
+"""What reaches less into the zone of the group is beside it; lower pieces hide nothing."""
 
 
 def _id(view: View, *numbers: int) -> tuple[str, ...]:
@@ -95,6 +104,23 @@ def _far(nearest: bool) -> Callable[[View], Iterator[Measured]]:
     return measure
 
 
+def _between(view: View) -> Iterator[Measured]:
+    """Other furniture before the sofa, as far as to the television: the dining set has a zone of
+    its own."""
+    for sofa, screen, _, away in _turned(view):
+        edge = float(view.depth[sofa]) / 2
+        if away <= edge:
+            continue
+        middle = view.at[sofa] + view.front[sofa] * (edge + away) / 2
+        half = np.array([[view.length[sofa] / 2 - _ZONE_EDGE_M, (away - edge) / 2]])
+        zone = Rects(middle[None], view.right[[sofa]], view.front[[sofa]], half)
+        within = (view.rects.depths(zone)[:, 0] > _ZONE_EDGE_M) & view.stands
+        within &= view.height > _LOW_M
+        hiding = (at for at in np.flatnonzero(within).tolist() if view.items[at].id != screen.id)
+        others = [at for at in hiding if view.categories[at] not in _GROUP]
+        yield Measured(len(others), view.point(sofa), _id(view, *others))
+
+
 def _glare(view: View) -> Iterator[Measured]:
     screen = _television(view)
     if screen is not None:
@@ -159,6 +185,17 @@ def _talk(view: View) -> Iterator[Measured]:
     yield Measured(len(near), view.point(sofa), _id(view, sofa))
 
 
+def _far_floor(view: View) -> Iterator[Measured]:
+    """Floor that is far from every piece, square metres: a part of a large room without a use."""
+    ground = view.shell.ground
+    pieces = np.ones_like(ground.floor)
+    for outline in view.corners[view.stands]:
+        cv2.fillPoly(pieces, [ground.cells(outline)], (0,))
+    away_m = cv2.distanceTransform(pieces, cv2.DIST_L2, 3) * CELL_M
+    far = (away_m > _USED_M) & (ground.floor > 0)
+    yield Measured(float(far.sum()) * CELL_M**2, view.middle)
+
+
 def _sofa_window(view: View) -> Iterator[Measured]:
     at = _sofa(view)
     if at is not None:
@@ -167,10 +204,27 @@ def _sofa_window(view: View) -> Iterator[Measured]:
 
 RULES: tuple[Rule[View], ...] = (
     Rule("sofa", 1, "count", "planning guides", _has_sofa, weight=2.0),
-    Rule("television", 1, "count", "planning guides", _has_television, weight=1.5),
+    Rule("television", 1, "count", "planning guides", _has_television, weight=2.5),
     Rule("coffee table", 1, "count", "planning guides", _has_table),
     Rule("seats", 4, "count", "HUD 1973", _seats),
     Rule("television aside of the sofa's front", 20, "deg", "THX", _aside, at_most=True),
+    Rule(
+        "television aside of the middle of the sofa's view",
+        8,
+        "deg",
+        "THX",
+        _aside,
+        at_most=True,
+        weight=0.3,
+    ),
+    Rule(
+        "other furniture between sofa and television",
+        0,
+        "count",
+        "planning guides",
+        _between,
+        at_most=True,
+    ),
     Rule("nearest television", 1.80, "m", "THX, SMPTE", _far(True)),
     Rule("farthest television", 4.00, "m", "THX, SMPTE", _far(False), at_most=True),
     Rule("television before a window", 0, "count", "planning guides", _glare, at_most=True),
@@ -198,5 +252,18 @@ RULES: tuple[Rule[View], ...] = (
     Rule("armchair from the sofa", 3.00, "m", "HUD 1973", _apart, at_most=True),
     Rule("armchair turned from the group", 45, "deg", "HUD 1973", _turned_away, at_most=True),
     Rule("seats to talk to", 1, "count", "HUD 1973", _talk),
+    *(
+        Rule(
+            f"floor of a large room far from all furniture, {share}",
+            most_m2,
+            "m2",
+            "planning guides",
+            _far_floor,
+            at_most=True,
+            weight=0.5,
+            from_m2=LARGE_M2,
+        )
+        for share, most_m2 in (("a part", 6.0), ("most of it", 12.0))
+    ),
     Rule("sofa before a window", 0, "count", "planning guides", _sofa_window, at_most=True),
 )

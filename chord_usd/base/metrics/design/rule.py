@@ -11,9 +11,9 @@ from chord_usd.base.metrics.design.view import HomeView, Point, View
 from chord_usd.base.scene.types import RoomKind
 
 Seen = TypeVar("Seen", View, HomeView)
-Unit = Literal["m", "count", "deg", "share"]
+Unit = Literal["m", "count", "deg", "share", "m2"]
 
-ROUNDING = {"m": 0.02, "count": 0.0, "deg": 0.5, "share": 0.0}
+ROUNDING = {"m": 0.02, "count": 0.0, "deg": 0.5, "share": 0.0, "m2": 0.5}
 """By unit, what a measured value may miss: pieces are painted and snapped to about so much."""
 FINE_M = 0.005
 """The same of rows of units, whose widths are exact."""
@@ -100,6 +100,8 @@ def _value(value: float, unit: Unit) -> str:
         return f"{value * 100:.0f} cm"
     if unit == "deg":
         return f"{value:.0f} degrees"
+    if unit == "m2":
+        return f"{value:.1f} m2"
     return f"{value:.0%}" if unit == "share" else f"{value:g}"
 
 
