@@ -75,6 +75,18 @@ def test_a_narrow_wc_has_its_toilet_in_the_middle_and_no_basin() -> None:
     assert made.items[0].box.center_m[0] == pytest.approx(0.42, abs=0.03)
 
 
+@pytest.mark.parametrize("bath", ["bathtub", "shower"])
+def test_a_small_bathroom_has_a_basin_beside_its_toilet(bath: str) -> None:
+    """A shower takes the place of a bath that leaves no floor for a basin of a usual size."""
+    made = planned(view_of("bathroom", (1.5, 1.9), "toilet", bath))
+    assert sorted(made.categories) == ["shower", "toilet", "washbasin"]
+    assert tight(made) == 0
+    sizes = {item.category: item.box.size_m for item in made.items}
+    assert min(sizes["shower"][:2]) >= 0.75
+    assert sizes["washbasin"][0] >= 0.45
+    assert sizes["toilet"][0] >= 0.35
+
+
 def test_a_bath_replaces_a_shower_that_can_stand_only_before_a_window() -> None:
     made = planned(view_of("bathroom", (1.7, 1.9), "toilet", "washbasin", "shower", window=True))
     assert sorted(made.categories) == ["bathtub", "toilet", "washbasin"]

@@ -15,7 +15,12 @@ from itertools import islice
 import numpy as np
 
 from chord_usd.base.metrics.complete import ESSENTIALS, FEWER_BELOW_M2, lacking
-from chord_usd.base.metrics.design.bathroom_rules import BASINS, WET, faces_door
+from chord_usd.base.metrics.design.bathroom_rules import (
+    BASIN_FROM_M2,
+    BASINS,
+    WET,
+    faces_door,
+)
 from chord_usd.base.metrics.design.price import beyond_walls, conflicts
 from chord_usd.base.metrics.design.shell import TOUCH_M, Rects
 from chord_usd.base.metrics.design.view import View
@@ -104,6 +109,8 @@ def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
         more = [new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0)) for name in new]
         yield _sorted([*own, *more])
     yield _sorted(own)
+    if "toilet" in view.categories and not {*BASINS} & {*view.categories, *new}:
+        yield from _with_basin(view, own)
     if kind == "bathroom" and not {*WET} & {*view.categories}:
         # What a home has a bathroom for: rather than a washing machine or a basin, where there is
         # no room for both.
@@ -114,6 +121,19 @@ def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
             yield _sorted([shower, *(item for item in own if item.category not in spare)])
     if kind == "wc" and area_m2 < FEWER_BELOW_M2["wc"][0][0] and len(own) > 1:
         yield [item for item in own if item.category == "toilet"][:1]
+
+
+def _with_basin(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
+    """Fixtures with a basin beside the toilet; with a shower, which takes less floor, in place of a
+    bath."""
+    if view.shell.area_m2 < BASIN_FROM_M2:
+        return
+    place = Box((0.0, 0.0, 0.0), _NEW_M["washbasin"], 0.0)
+    basin = new_piece(view, "washbasin", place)
+    yield _sorted([*own, basin])
+    if any(item.category == "bathtub" for item in own):
+        shower = new_piece(view, "shower", replace(place, size_m=_NEW_M["shower"]))
+        yield _sorted([basin, shower, *(item for item in own if item.category not in WET)])
 
 
 def _exchanged(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:

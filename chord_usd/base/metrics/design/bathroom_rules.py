@@ -12,6 +12,8 @@ from chord_usd.base.metrics.design.view import View, distances
 from chord_usd.base.scene.palette import having
 
 BASINS, WET = having("basin"), having("bathing")
+BASIN_FROM_M2 = 2.2
+"""Rooms with a toilet have room for a basin beside it from this area on."""
 PLUMBED = ("toilet", "bathtub", *BASINS)
 _FACE_M2 = 2.5
 """A smaller room cannot turn its toilet from the door."""
@@ -118,6 +120,11 @@ def _all_there(view: View) -> Iterator[Measured]:
     yield Measured(len(missing), view.middle)
 
 
+def _basin_there(view: View) -> Iterator[Measured]:
+    if view.of("toilet"):
+        yield Measured(len(view.of(*BASINS)), view.middle, _id(view, *view.of("toilet")[:1]))
+
+
 def _toilets(view: View) -> Iterator[Measured]:
     yield Measured(len(view.of("toilet")), view.middle, _id(view, *view.of("toilet")))
 
@@ -136,6 +143,15 @@ def _oblique(view: View) -> Iterator[Measured]:
 RULES: tuple[Rule[View], ...] = (
     Rule("fixtures missing", 0, "count", "DIN 18022", _all_there, at_most=True, weight=2.0),
     Rule("toilets", 1, "count", "DIN 18022", _toilets, at_most=True),
+    Rule(
+        "washbasin beside the toilet",
+        1,
+        "count",
+        "DIN 18022",
+        _basin_there,
+        weight=1.5,
+        from_m2=BASIN_FROM_M2,
+    ),
     Rule("middle of the toilet to a side", 0.40, "m", "NKBA bath 5 (code 38)", _toilet_side),
     Rule(
         "middle of the toilet to a side, comfortably",
