@@ -25,7 +25,7 @@ LANDING_M = 0.4
 """Beside the refrigerator, on the side of its handle [16]."""
 AISLE_M = 1.07
 """Before units [6]."""
-NARROW_AISLE_M = 0.85
+NARROW_AISLE_M = 0.9
 LEGS_M = 1.22, 2.74
 """From front to front of sink, cooker and refrigerator [3]."""
 LEAST_LEG_M = 0.9
