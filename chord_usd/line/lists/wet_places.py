@@ -109,7 +109,10 @@ def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
         more = [new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0)) for name in new]
         yield _sorted([*own, *more])
     yield _sorted(own)
-    if "toilet" in view.categories and not {*BASINS} & {*view.categories, *new}:
+    if {"toilet", *WET} & {*view.categories} > {"toilet"} and not {*BASINS} & {
+        *view.categories,
+        *new,
+    }:
         yield from _with_basin(view, own)
     if kind == "bathroom" and not {*WET} & {*view.categories}:
         # What a home has a bathroom for: rather than a washing machine or a basin, where there is

@@ -121,8 +121,11 @@ def _all_there(view: View) -> Iterator[Measured]:
 
 
 def _basin_there(view: View) -> Iterator[Measured]:
+    """Basins; none counts where a bathroom has nothing to bathe in for it."""
+    is_instead = view.shell.kind == "bathroom" and not view.of(*WET)
     if view.of("toilet"):
-        yield Measured(len(view.of(*BASINS)), view.middle, _id(view, *view.of("toilet")[:1]))
+        count = 0 if is_instead else len(view.of(*BASINS))
+        yield Measured(count, view.middle, _id(view, *view.of("toilet")[:1]))
 
 
 def _toilets(view: View) -> Iterator[Measured]:
