@@ -219,3 +219,26 @@ def test_a_bed_and_a_wardrobe_change_places_with_what_belongs_to_the_bed(
             to_own(before[bed], before[own].center_m[:2]), abs=1e-6
         )
     assert faults(work.graph) <= faults(house)
+
+
+def test_a_new_piece_goes_to_the_one_room_of_its_kind(
+    house: SceneGraph, rooms: dict[str, Room]
+) -> None:
+    (intent,) = understand("add a coffee table", house, rooms).intents
+    assert intent.room == rooms["LivingRoom_0"].id
+    bare = {name: room for name, room in rooms.items() if name != "LivingRoom_0"}
+    for said, known in (("add a coffee table", bare), ("add a bed", rooms)):
+        with pytest.raises(ChordError, match="in which room"):
+            understand(said, house, known)
+
+
+@pytest.mark.parametrize("name", ["kitchen", "living room", "balcony"])
+def test_a_question_about_a_room_is_answered_with_what_it_has(
+    house: SceneGraph, rooms: dict[str, Room], name: str
+) -> None:
+    room = rooms[f"{name.title().replace(' ', '')}_0"]
+    own = [item.category.replace("_", " ") for item in house.items_of(room.id)]
+    with pytest.raises(ChordError, match="is a question") as told:
+        understand(f"what is in the {name}?", house, rooms)
+    assert all(f"× {one}" in str(told.value) for one in own)
+    assert own or "no furniture" in str(told.value)

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 
 from chord_usd.base.metrics.complete import table_of
 from chord_usd.base.scene.geometry import footprint_polygon
-from chord_usd.base.scene.types import Item, Room, RoomKind, SceneGraph
+from chord_usd.base.scene.palette import category
+from chord_usd.base.scene.types import ROOM_KINDS, Item, Room, RoomKind, SceneGraph
 from chord_usd.line.lists.clauses import WHERE, Clause, Noun, not_understood
 from chord_usd.line.lists.edit_words import SEATED_AT, Token
 from chord_usd.line.lists.vocabulary import HERE
@@ -45,7 +46,22 @@ class Referents:
                 counts = Counter(self.name(one.room_id) for one in own)
                 places = [f"{count} in {room}" for room, count in counts.items()]
                 told.append(f"{token.thing.word}: {', '.join(places) or 'none there'}")
+        if not told:
+            told = [f"{self.name(room)} has {self._inventory(room)}" for room in rooms]
         return "; ".join(dict.fromkeys(told)) or "it names no piece"
+
+    def _inventory(self, room_id: str) -> str:
+        """What furniture a room has, in words."""
+        own = [one.category for one in self._graph.items if one.room_id == room_id]
+        counts = Counter(name.replace("_", " ") for name in own)
+        return ", ".join(f"{count} × {name}" for name, count in counts.items()) or "no furniture"
+
+    def home_of(self, clause: Clause) -> str:
+        """Id of the room where new pieces usually go; "" where the house has none or several."""
+        kinds = {category(noun.thing.categories[0]).rooms for noun in clause.nouns}
+        homes = {rooms[0] for rooms in kinds if set(rooms) < set(ROOM_KINDS)}
+        found = [own for own, kind in self._kinds.items() if kind in homes and own in self._name_of]
+        return found[0] if len(homes) == len(found) == 1 and len(kinds) == 1 else ""
 
     def rooms_of(self, clause: Clause, *preps: str) -> list[str]:
         """Ids of the rooms that a clause names with one of these prepositions."""

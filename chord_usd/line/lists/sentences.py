@@ -177,7 +177,7 @@ class _Reader(Referents):
         _refuse_rest(clause, "distance_m", "degrees", "way", "is_it", "number")
         rooms = self.rooms_for(clause, following, "in", "to", "", "of")
         rooms = rooms or [room for room in [self.anchor_room(clause)] if room]
-        rooms = rooms or [room for room in [self.room_said] if room]
+        rooms = rooms or [room for room in [self.room_said or self.home_of(clause)] if room]
         if not rooms:
             raise not_understood(clause.words, "in which room?", "a room of the house")
         found = []
