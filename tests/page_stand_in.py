@@ -107,7 +107,9 @@ class StandIn:
             root.joinpath(options.output, "Top.png").write_bytes(PNG)
             data = {"pictures": [f"{options.output}/Top.png"]}
         elif options.verb == "edit":
-            root.joinpath(options.output).write_text(f"#usda 1.0\n# {options.sentence}")
+            stage = f"#usda 1.0\n# {options.sentence}"
+            root.joinpath(options.output).write_text(stage)
+            root.joinpath(options.view).write_bytes(as_glb(stage))
             data = {"rooms": ["Bedroom_0"], "moved": [BED], "removed": [], "taken_over": [BED]}
         elif options.verb == "assets":
             model = root / "library" / "Bed_Other" / "Bed_Other.usda"

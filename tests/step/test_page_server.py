@@ -65,12 +65,12 @@ def test_from_drop_to_download(page: TestClient, verbs: StandIn) -> None:
     ask(page, house, "render", version=1, camera="Top")
     for kind in ("usda", "mujoco", "ifc"):
         ask(page, house, "pack", version=1, **{"for": kind})
-    shown = until_over(page, house, 8)
-    assert [job["error"] for job in shown["jobs"]] == [""] * 8
-    one, two = shown["versions"]
-    assert (two["of"], two["label"], shown["shown"]) == (1, "Bedroom_0 anew, seed 1", 2)
+    shown = until_over(page, house, 9)
+    assert [job["error"] for job in shown["jobs"]] == [""] * 9
+    (one,) = shown["versions"]
     assert one["rooms"] == ["Bedroom_0"]
-    assert page.get(f"/api/houses/{house}/versions/2/view/view.glb").content != view.content
+    assert page.get(f"{first}/{one['view']}").content != view.content
+    assert shown["past"]["undo"] == "regenerate --room=Bedroom_0"
     assert page.get(f"{first}/pictures/{one['pictures'][0]}").content == PNG
     assert one["certificate"]["holds"]
     assert one["packs"] == ["house.ifc", "house.zip", "house_mujoco.zip"]
@@ -172,25 +172,57 @@ def test_changes_by_hand_are_a_layer_over_the_house(page: TestClient, verbs: Sta
     assert (kept["edits"]["pieces"], kept["edits"]["locked"]) == (pieces, [BED])
 
     ask(page, house, "refurnish", version=1, room="Bedroom_0", keep=["Bed_0"])
-    ask(page, house, "check", version=1)
-    first, second = until_over(page, house, 6)["versions"]
-    checked = {"holds": True, "collisions": []}
-    assert first["certificate"] == second["certificate"] == checked, "of the house with its changes"
+    (first,) = until_over(page, house, 5)["versions"]
+    assert first["certificate"] == {"holds": True, "collisions": []}, "of the house as it is now"
     assert verbs.lines[-1][1].endswith("house.edits.usda")
-    assert any(word.startswith("--edits=") for word in verbs.lines[-3])
-    carried = page.get(f"/api/houses/{house}/versions/2/edits").json()["edits"]
+    assert any(word.startswith("--edits=") for word in verbs.lines[-2])
+    carried = page.get(address).json()["edits"]
     assert set(carried["pieces"]) == {BED, f"{DESK}/Items/Cup_0"}
 
     ask(page, house, "say", version=1, sentence="--move the bed", force=1)
-    until_over(page, house, 8)
-    assert "--force" in verbs.lines[-3]
-    said = page.get(f"/api/houses/{house}/versions/3/view/view.glb").content
+    shown = until_over(page, house, 7)
+    assert "--force" in verbs.lines[-2]
+    (first,) = shown["versions"]
+    said = page.get(f"/api/houses/{house}/versions/1/{first['view']}").content
     assert stage_of(said).endswith("# move the bed")
-    carried = page.get(f"/api/houses/{house}/versions/3/edits").json()["edits"]
-    assert set(carried["pieces"]) == set(pieces) - {BED}
+    assert set(page.get(address).json()["edits"]["pieces"]) == {f"{DESK}/Items/Cup_0"}
+    past = [one["told"] for one in shown["past"]["changes"]]
+    assert past[1:] == ["by hand Rug_0, Bed_0, Cup_0", "regenerate --room=Bedroom_0",
+                        "edit --move the bed"]  # fmt: skip
 
-    assert page.put(address, json={"base": 1, "edits": {}}).status_code == 200
+    now = page.get(address).json()["revision"]
+    assert page.put(address, json={"base": now, "edits": {}}).status_code == 200
     assert page.get(address).json()["edits"]["pieces"] == {}
+
+
+def test_all_that_was_done_can_be_undone_in_one_step_each(page: TestClient) -> None:
+    """A piece moved by hand, a room and a sentence: one history, that survives the page."""
+    house = dropped(page)
+    ask(page, house, "furnish")
+    until_over(page, house, 3)
+    first = f"/api/houses/{house}/versions/1"
+    plain = page.get(f"{first}/view/view.glb").content
+    moved = {"pieces": {BED: {"was": PLACED, "matrix": PLACED}}, "locked": []}
+    page.put(f"{first}/edits", json={"base": 0, "edits": moved})
+    ask(page, house, "say", version=1, sentence="a plant")
+    after = until_over(page, house, 5)
+    said = page.get(f"{first}/{after['versions'][0]['view']}").content
+
+    def go(way: str, **to: int) -> tuple[bytes, bool]:
+        answer = page.post(f"{first}/past", json={"way": way, **to})
+        assert answer.status_code == 200, answer.text
+        shown = until_over(page, house)
+        view = page.get(f"{first}/{shown['versions'][0]['view']}").content
+        return view, bool(page.get(f"{first}/edits").json()["edits"]["pieces"])
+
+    assert go("undo") == (plain, True)
+    assert go("undo") == (plain, False)
+    assert page.post(f"{first}/past", json={"way": "undo"}).status_code == 400
+    assert go("redo") == (plain, True)
+    assert go("redo")[0] == said
+    assert go("to", to=1) == (plain, False)
+    assert page.post(f"{first}/past", json={"way": "to", "to": 99}).status_code == 400
+    assert page.post(f"{first}/past", json={"way": "back"}).status_code == 400
 
 
 def test_a_piece_is_swapped_and_stays_so_in_later_versions(
@@ -216,10 +248,10 @@ def test_a_piece_is_swapped_and_stays_so_in_later_versions(
         assert answer.status_code == 400
     page.put(f"{address}/1/edits", json={"base": 0, "edits": {"pieces": pieces}})
     ask(page, house, "refurnish", version=1, room="Study_0")
-    until_over(page, house, 6)
-    kept = page.get(f"{address}/2/edits").json()["edits"]["pieces"][BED]["swap"]
+    until_over(page, house, 7)
+    kept = page.get(f"{address}/1/edits").json()["edits"]["pieces"][BED]["swap"]
     assert kept["usd"] == made["usd"]
-    folder = tmp_path / house / "versions" / "0002"
+    folder = tmp_path / house / "versions" / "0001"
     assert (folder / "house" / made["usd"]).is_file()
     assert made["usd"] in (folder / "house" / "house.edits.usda").read_text()
 

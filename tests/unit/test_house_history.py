@@ -63,6 +63,16 @@ def test_redo_takes_the_branch_that_was_left_last(house: Path) -> None:
         redo(house)
 
 
+def test_what_is_recorded_within_a_change_is_part_of_it(house: Path) -> None:
+    with recorded(house, Deed("by hand")):
+        change(house, "a")
+        house.with_name("house.edits.usda").write_text("carried")
+    assert [one.verb for one in read_history(house).changes] == ["begin", "edit"]
+    undo(house)
+    redo(house)
+    assert house.with_name("house.edits.usda").read_text() == "carried"
+
+
 def test_what_another_program_changed_is_a_change_and_not_lost(house: Path) -> None:
     change(house, "a")
     house.write_text("by hand")

@@ -114,6 +114,11 @@ class History:
         visited = (*(one for one in self.visited if one != number), number)
         return replace(self, number=number, visited=visited)
 
+    def with_now(self, change: Change) -> History:
+        """The same with another change in place of the one that it stands at."""
+        changes = (change if one.number == self.number else one for one in self.changes)
+        return replace(self, changes=tuple(changes))
+
     def grown(self, deed: Deed, files: Mapping[str, str]) -> History:
         """The same with one more change; the earliest goes where there are too many."""
         latest = max((one.number for one in self.changes), default=0)
@@ -134,7 +139,8 @@ def recorded(house: Path, deed: Deed) -> Iterator[None]:
     """Around what changes a house, or replaces it: its state before and after can be had again.
 
     A house that is not there yet gets no history, so that a new one costs nothing; its first change
-    begins one. A block that fails, or changes nothing, leaves no trace.
+    begins one. A block that fails, or changes nothing, leaves no trace. What is recorded within the
+    block, by another process too, is part of the same change.
     """
     house = house_of(house)
     if not house.is_file() or any(part.startswith(SCRATCH_PREFIX) for part in house.parts):
@@ -142,15 +148,14 @@ def recorded(house: Path, deed: Deed) -> Iterator[None]:
         return
     is_first = not _folder(house).exists()
     before = _state_of(house)
-    _begin(house)
-    after = before
+    number = _begin(house).number
     try:
         yield
         after = _state_of(house)
         if after != before:
-            _note(house, deed, after)
+            _note(house, deed, after, since=number)
     finally:
-        if is_first and after == before:
+        if is_first and _state_of(house) == before:
             forget(house)
 
 
@@ -160,20 +165,6 @@ def forget(house: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     with suppress(OSError):  # rmdir removes no folder with the history of another house
         folder.parent.rmdir()
-
-
-def amended(house: Path) -> None:
-    """Let the latest change be of the house as it now lies on disk: more of it came after."""
-    house = house_of(house)
-    history = read_history(house)
-    if history.now:
-        with _writing(house):
-            files = _state_of(house)
-            _keep(house, files)
-            changes = tuple(
-                replace(one, files=files) if one is history.now else one for one in history.changes
-            )
-            _write(house, replace(history, changes=changes))
 
 
 def read_history(house: Path) -> History:
@@ -267,17 +258,18 @@ def _begin(house: Path) -> History:
     return _note(house, Deed(verb, words), files)
 
 
-def _note(house: Path, deed: Deed, files: Mapping[str, str]) -> History:
+def _note(house: Path, deed: Deed, files: Mapping[str, str], since: int | None = None) -> History:
+    """since: number of the change at which this one began."""
     with _writing(house):
         history = read_history(house)
         now = history.now
+        if now and now.files == files and now.verb != OUTSIDE:
+            return history
         if now and now.files == files:
             # Another process met the house between its change and its note.
-            if now.verb != OUTSIDE:
-                return history
-            named = replace(now, verb=deed.verb, words=deed.words)
-            changes = (named if one is now else one for one in history.changes)
-            history = replace(history, changes=tuple(changes))
+            history = history.with_now(replace(now, verb=deed.verb, words=deed.words))
+        elif now and since is not None and now.number > since:
+            history = history.with_now(replace(now, files=files))
         else:
             history = history.grown(deed, files)
         _keep(house, files)

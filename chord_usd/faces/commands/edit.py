@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chord_usd.base.runtime.files import deliver
 from chord_usd.base.runtime.inputs import STAGE_SUFFIXES
 from chord_usd.faces.commands.certified import holds, reported
 from chord_usd.faces.commands.common import (
@@ -13,6 +14,7 @@ from chord_usd.faces.commands.common import (
     UsageError,
     Verbs,
     add_verb,
+    add_view,
     existing_file,
     stopwatch,
 )
@@ -56,6 +58,7 @@ def add(verbs: Verbs) -> None:
     in_place_of(target, "STAGE")
     with_suffixes(target, STAGE_SUFFIXES)
     add_options(parser, "state", "asset_folders")
+    add_view(parser)
 
 
 def run(options: argparse.Namespace) -> Outcome:
@@ -78,6 +81,11 @@ def run(options: argparse.Namespace) -> Outcome:
         source, options.sentence, target, settings, watch, edits, options.storey,
         force=options.force, dry_run=options.dry_run,
     )  # fmt: skip
+    if options.view and not options.dry_run:
+        from chord_usd.line.stage.export.gltf import write_view
+
+        with watch.step("view"), deliver() as delivery:
+            write_view(target, delivery.place(options.view))
     check = certificate(report)
     data = {
         "stage": str(target), **_data(reading), "added": list(done.added),

@@ -11,6 +11,7 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
+import anyio
 from starlette.applications import Starlette
 from starlette.background import BackgroundTask
 from starlette.middleware import Middleware
@@ -25,7 +26,7 @@ from chord_usd.base.scene.limits import PARTS
 from chord_usd.base.scene.settings import form_field, offered_by
 from chord_usd.faces.page.asked import LONGEST_TEXT, PACKS, fields_of, given_of, parts_of
 from chord_usd.faces.page.gate import Gate, refused
-from chord_usd.faces.page.house_jobs import CAN_SAY, VIEW, HouseJobs, RunVerb
+from chord_usd.faces.page.house_jobs import CAN_SAY, CHANGES, VIEW, VIEWS, HouseJobs, RunVerb
 from chord_usd.faces.page.job_queue import OVER, BusyError, Job, JobQueue
 from chord_usd.faces.page.kept_houses import ChangedError, KeptHouses, NotThereError, Record
 from chord_usd.faces.page.piece_edits import read_edits, write_edits
@@ -45,6 +46,7 @@ STATIC = Path(__file__).with_name("static")
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript",
           ".svg": "image/svg+xml"}  # fmt: skip
 _PICTURE = re.compile(r"[0-9a-f]{12}/[\w.-]{1,80}\.png")
+_VIEW = re.compile(r"[0-9a-f]{16}\.glb")
 _THREE = "elements/scene/dist/index.js"
 """In NiceGUI's wheel: three.js with its loader of GLB and its controls, as one module."""
 
@@ -77,6 +79,9 @@ def make_application(
         Route("/api/houses/{house}/versions/{number:int}/edits", told(page.edits), methods=["GET"]),
         Route(
             "/api/houses/{house}/versions/{number:int}/edits", told(page.put_edits), methods=["PUT"]
+        ),
+        Route(
+            "/api/houses/{house}/versions/{number:int}/past", told(page.put_back), methods=["POST"]
         ),
         Route("/api/houses/{house}/versions/{number:int}/{kind}/{name:path}", told(page.file)),
         Route("/api/models/{name}.png", told(page.model_picture)),
@@ -293,6 +298,17 @@ class _Page:
         self._houses.note(house, number, change)
         return _json({"revision": revision + 1})
 
+    async def put_back(self, request: Request) -> Response:
+        """Undo or redo a change of a version, or go to one of its history."""
+        body = await fields_of(request, {"way": str, "to": int})
+        house, number = request.path_params["house"], request.path_params["number"]
+        at_work = (job for job in self._jobs.of(house) if job.state not in OVER)
+        if any(job.kind in CHANGES for job in at_work):
+            raise ChangedError("a job is changing the house", try_="again when it is done")
+        way = (house, number, body.get("way") or "", body.get("to"))
+        await anyio.to_thread.run_sync(self._work.put_back, *way)
+        return _json(self._shown(house))
+
     def _edited(self, request: Request) -> tuple[Path, int]:
         """The folder of a version's house, and how often it was changed by hand."""
         house, number = request.path_params["house"], request.path_params["number"]
@@ -307,6 +323,8 @@ class _Page:
         folder = self._houses.version_folder(house, number)
         if kind == "view" and name == VIEW:
             return _file(folder / VIEW)
+        if kind == "views" and _VIEW.fullmatch(name):
+            return _file(folder / VIEWS / name)
         if kind == "pictures" and _PICTURE.fullmatch(name):
             return _file(folder / "pictures" / name)
         if kind == "models" and is_name(name) and name.endswith(".glb"):
@@ -367,7 +385,7 @@ class _Page:
             for one in self._houses.storeys(house)
         ]
         jobs = [self._told(job) for job in self._jobs.of(house)[-20:]]
-        return {**record, "storeys": storeys, "jobs": jobs}
+        return {**record, "storeys": storeys, "jobs": jobs, "past": self._houses.past(record)}
 
 
 @dataclass

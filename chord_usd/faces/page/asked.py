@@ -48,7 +48,8 @@ GIVEN: Fields = {
 NEEDED = {
     "refurnish": ("version", "room"), "say": ("version", "sentence"),
     "models": ("category", "size"), "swap": ("version", "model"),
-    "render": ("version", "camera"), "check": ("version",), "pack": ("version", "for"),
+    "render": ("version", "camera"), "check": ("version",),
+    "view": ("version",), "pack": ("version", "for"),
 }  # fmt: skip
 
 CHOICES: Mapping[str, Collection[str]] = {

@@ -15,6 +15,8 @@ import anyio
 
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime.archives import pack_folder
+from chord_usd.base.runtime.files import hash_file, link_or_copy
+from chord_usd.base.runtime.house_history import Deed, go_to, read_history, recorded, redo, undo
 from chord_usd.base.runtime.verb_calls import Answer, Told
 from chord_usd.base.scene.settings import offered_by, words_of
 from chord_usd.faces.page.asked import PACKS, QUALITIES
@@ -34,6 +36,10 @@ Submit = Callable[[str, str, dict[str, Any]], object]
 RunVerb = Callable[[Sequence[str], Path, Told], Awaitable[Answer]]
 
 VIEW = "view.glb"
+"""Of a version as it was furnished."""
+VIEWS = "views"
+CHANGES = ("say", "refurnish", "view")
+"""Jobs that change a version in its place."""
 
 MOST_MODELS = 9
 
@@ -58,6 +64,7 @@ class HouseJobs:
             **({"say": self._say} if CAN_SAY else {}),
             "models": self._models,
             "swap": self._swap,
+            "view": self._view,
             "check": self._check,
             "render": self._render,
             "pack": self._pack,
@@ -125,53 +132,95 @@ class HouseJobs:
         return {"version": number, **answer.data}
 
     async def _refurnish(self, job: Job) -> dict[str, Any]:
-        """One room of a version anew, as another version; changes of other rooms stay."""
+        """One room of a version anew; changes by hand of other rooms stay."""
         given = job.given
-        before = self._houses.version_folder(job.house, given.get("version")) / "house"
-        with self._version(job) as (number, folder):
-            target = folder / "house" / STAGE
-            words = ["regenerate", self._houses.word(before / STAGE)]
-            words += [f"--output={self._houses.word(target)}", *_option("room", given["room"])]
-            words += _option("with", given.get("with")) + _option("without", given.get("without"))
-            words += [word for name in given.get("keep") or () for word in _option("keep", name)]
-            words += _option("seed", given.get("seed")) + _option("style", given.get("style"))
-            if (before / EDITS).is_file():
-                words += _option("edits", self._houses.word(before / EDITS))
-            answer = await self._call(job, [*words, self._view_word(folder)])
-            carry_edits(before, folder / "house", room=answer.data.get("room", given["room"]))
-            rooms = _rooms_in(folder / VIEW)
-            label = f"{given['room']} anew, seed {answer.data.get('seed')}"
-            plan = self._houses.get(job.house)["plan"]
-            told = _told(answer.data) | self._same_levels(job)
-            is_changed = (folder / "house" / EDITS).is_file()
-            if is_changed:  # the certificate is that of the house without its changes
-                told["certificate"] = None
-            self._keep(job, number, label, plan, given["version"], rooms, told)
-        if is_changed:
-            self.submit(job.house, "check", {"version": number})
-        return {"version": number, **answer.data}
+        words = [*_option("room", given["room"]), *_option("with", given.get("with"))]
+        words += _option("without", given.get("without"))
+        words += [word for name in given.get("keep") or () for word in _option("keep", name)]
+        words += _option("seed", given.get("seed")) + _option("style", given.get("style"))
+
+        def carry(house: Path, data: Record) -> None:
+            carry_edits(house, room=data.get("room", given["room"]))
+
+        return await self._change(job, "regenerate", words, carry)
 
     async def _say(self, job: Job) -> dict[str, Any]:
-        """A version changed as a sentence says, as another version."""
-        given = job.given
-        before = self._houses.version_folder(job.house, given.get("version")) / "house"
-        with self._version(job) as (number, folder):
-            target = folder / "house" / STAGE
-            words = ["edit", self._houses.word(before / STAGE), _no_option(str(given["sentence"]))]
-            words += ["--force"] if given.get("force") else []
-            if (before / EDITS).is_file():
-                words += _option("edits", self._houses.word(before / EDITS))
-            answer = await self._call(job, [*words, f"--output={self._houses.word(target)}"])
-            words = ["export", self._houses.word(target), "--for=gltf"]
-            view = folder / VIEW
-            await self._call(job, [*words, f"--output={self._houses.word(view)}"])
-            carry_edits(before, folder / "house", touched=answer.data["taken_over"])
-            plan = self._houses.get(job.house)["plan"]
-            label, rooms = str(given["sentence"])[:80], _rooms_in(view)
-            told = {"certificate": None, **self._same_levels(job)}
-            self._keep(job, number, label, plan, given["version"], rooms, told)
+        """A version changed as a sentence says."""
+        words = [_no_option(str(job.given["sentence"]))]
+        words += ["--force"] if job.given.get("force") else []
+        return await self._change(
+            job, "edit", words, lambda house, data: carry_edits(house, touched=data["taken_over"])
+        )
+
+    async def _change(
+        self, job: Job, verb: str, words: Sequence[str], carry: Callable[[Path, Record], None]
+    ) -> dict[str, Any]:
+        """A version changed in its place by a verb, which its history keeps, and seen again.
+
+        carry: leaves the changes by hand that still mean something. Where the view cannot be made,
+        or the job is cancelled, the house is as it was.
+        """
+        number = job.given["version"]
+        folder = self._houses.version_folder(job.house, number)
+        house, stage = folder / "house", folder / "house" / STAGE
+        keep_view(folder)
+        view = folder / VIEWS / f"{job.id}.glb"
+        line = [verb, self._houses.word(stage), *words]
+        line += [f"--{name}={self._houses.word(at)}" for name, at in
+                 (("output", stage), ("view", view), ("edits", house / EDITS))
+                 if name != "edits" or at.is_file()]  # fmt: skip
+        before = max(read_history(stage).number, 1)
+        try:
+            with recorded(stage, Deed(verb, str(job.given.get("sentence") or words[0]))):
+                answer = await self._call(job, line)
+                carry(house, answer.data)
+            view.replace(folder / view_of(folder))
+        except BaseException:
+            view.unlink(missing_ok=True)
+            if read_history(stage).number > before:
+                undo(stage)
+            raise
+        self._show(job.house, number)
         self.submit(job.house, "check", {"version": number})
         return {"version": number, **answer.data}
+
+    async def _view(self, job: Job) -> dict[str, Any]:
+        """A version that went back to a state of which no view is kept, seen again."""
+        folder = self._houses.version_folder(job.house, job.given.get("version"))
+        words = ["export", self._houses.word(folder / "house" / STAGE), "--for=gltf"]
+        view = folder / VIEWS / f"{job.id}.glb"
+        await self._call(job, [*words, f"--output={self._houses.word(view)}"])
+        view.replace(folder / view_of(folder))
+        self._show(job.house, job.given["version"])
+        return {}
+
+    def _show(self, house: str, number: object) -> None:
+        """Note which view a version has now, and that its changes by hand are other ones."""
+        folder = self._houses.version_folder(house, number)
+        view = view_of(folder)
+        rooms = _rooms_in(folder / view)
+
+        def change(version: Record) -> None:
+            version.update(view=view, rooms=rooms, revision=version.get("revision", 0) + 1)
+
+        self._houses.note(house, number, change)
+
+    def put_back(self, house: str, number: int, way: str, to: int | None) -> None:
+        """Undo or redo a change of a version, or go to any that its history has.
+
+        Raises ChordError for a version that is being changed, and what house_history.undo raises.
+        """
+        folder = self._houses.version_folder(house, number)
+        stage = folder / "house" / STAGE
+        keep_view(folder)
+        ways = {"undo": undo, "redo": redo, "to": lambda house: go_to(house, to or 0)}
+        if way not in ways:
+            raise ChordError("there is no such way", expected=f"one of {', '.join(ways)}")
+        ways[way](stage)
+        if (folder / view_of(folder)).is_file():
+            self._show(house, number)
+        else:
+            self.submit(house, "view", {"version": number})
 
     def _keep(
         self, job: Job, number: int, label: str, plan: object, of: int, rooms: object, told: Record
@@ -179,13 +228,6 @@ class HouseJobs:
         """List a version with its house. of: the version that it was made from, 0 for none."""
         version = {"number": number, "label": label, "plan": plan, "of": of, "rooms": rooms}
         self._houses.add_version(job.house, {**version, **told})
-
-    def _same_levels(self, job: Job) -> Record:
-        """The storeys of the version that another one is made of."""
-        for version in self._houses.get(job.house)["versions"]:
-            if version["number"] == job.given["version"] and "storeys" in version:
-                return {"storeys": version["storeys"]}
-        return {}
 
     def _view_word(self, folder: Path) -> str:
         return f"--view={self._houses.word(folder / VIEW)}"
@@ -300,6 +342,18 @@ class HouseJobs:
 
         await told(words[0], 0, 1)
         return await self._run(words, self._houses.root, told)
+
+
+def view_of(folder: Path) -> str:
+    """Where the view of a version is, as its stage is now, below the version's folder."""
+    return f"{VIEWS}/{hash_file(folder / 'house' / STAGE)[:16]}.glb"
+
+
+def keep_view(folder: Path) -> None:
+    """Let the first view of a version be found when its house is again as it was furnished."""
+    if not (folder / VIEWS).exists():
+        (folder / VIEWS).mkdir()
+        link_or_copy(folder / VIEW, folder / view_of(folder))
 
 
 def _option(name: str, value: object) -> list[str]:

@@ -19,8 +19,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from chord_usd.base.errors import ChordError
+from chord_usd.base.errors import ChordError, StageError
 from chord_usd.base.runtime.files import write_atomic
+from chord_usd.base.runtime.house_history import History, read_history
 from chord_usd.base.scene.limits import MOST_STOREYS
 from chord_usd.base.scene.room_names import room_kind
 from chord_usd.faces.page.uploads import shown_name
@@ -239,6 +240,25 @@ class KeptHouses:
                     change(version)
 
         self.update(house, inside)
+
+    def past(self, record: Record) -> Record:
+        """What was done to the version that is shown: what undo and redo would do, in words, and
+        all changes that can be had again. Without any where another version wrote them."""
+        if not record["shown"]:
+            return {"undo": None, "redo": None, "number": 0, "changes": []}
+        try:
+            folder = self.version_folder(record["id"], record["shown"])
+            history = read_history(folder / "house" / STAGE)
+        except StageError:
+            history = History()
+        now, undone = history.now, history.undone
+        return {
+            "undo": now.told if now and history.before else None,
+            "redo": undone.told if undone else None,
+            "number": history.number,
+            "changes": [{"number": one.number, "made": one.made, "told": one.told}
+                        for one in history.changes],
+        }  # fmt: skip
 
     def _all(self) -> Iterator[Record]:
         for folder in self.root.iterdir():

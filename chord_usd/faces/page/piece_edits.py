@@ -16,8 +16,9 @@ from typing import Any
 
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime.files import write_atomic
+from chord_usd.base.runtime.house_history import Deed, recorded
 from chord_usd.faces.page.kept_houses import EDITS, STAGE
-from chord_usd.faces.page.swapped_models import carry_models, checked_swap
+from chord_usd.faces.page.swapped_models import checked_swap
 
 SCHEMA = 2
 MOST_EDITS = 5000
@@ -93,17 +94,28 @@ def write_edits(folder: Path, given: object) -> Edits:
         },
         "locked": sorted({path for path in map(str, locked) if room_of(path)}),
     }
-    _write(folder, edits)
+    with recorded(folder / STAGE, Deed("by hand", _changed(read_edits(folder), edits))):
+        _write(folder, edits)
     return edits
 
 
-def carry_edits(before: Path, after: Path, *, room: str = "", touched: Iterable[str] = ()) -> None:
-    """Give a house that was made of another its changes, those that still mean something.
+def _changed(before: Edits, after: Edits) -> str:
+    """The pieces that a change by hand is about, in words."""
+    was, now = before["pieces"], after["pieces"]
+    paths = [path for path in {**was, **now} if was.get(path) != now.get(path)]
+    paths += sorted({*before["locked"]} ^ {*after["locked"]})
+    names = list(dict.fromkeys(path.rsplit("/", 1)[-1] for path in paths))
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    return ", ".join(names[:3]) + more
+
+
+def carry_edits(folder: Path, *, room: str = "", touched: Iterable[str] = ()) -> None:
+    """Leave a house that was changed those changes by hand that still mean something.
 
     room: was furnished anew, and only locked pieces in it keep theirs. touched: pieces that the
     stage itself has as they were changed, or has no more.
     """
-    edits = read_edits(before)
+    edits = read_edits(folder)
     kept, done = tuple(edits["locked"]), frozenset(touched)
 
     def stays(path: str) -> bool:
@@ -114,9 +126,7 @@ def carry_edits(before: Path, after: Path, *, room: str = "", touched: Iterable[
 
     for kind in ("pieces", "looks"):
         edits[kind] = {path: what for path, what in edits[kind].items() if stays(path)}
-    swaps = (edit.get("swap") for edit in edits["pieces"].values())
-    carry_models(before.parent, after.parent, [swap["usd"] for swap in swaps if swap])
-    _write(after, edits)
+    _write(folder, edits)
 
 
 def _is_of(path: str, pieces: Iterable[str]) -> bool:

@@ -96,27 +96,6 @@ def bring_model(folder: Path, name: object, house: Path) -> str:
     return f"{ASSETS}/{target.name}/{usd.name}"
 
 
-def carry_models(before: Path, after: Path, usds: Iterable[str]) -> None:
-    """Copy swapped models of a house beside one that was made of it, with what the view shows.
-
-    before, after: the folders of their versions; usds: as bring_model returns them.
-    """
-    names = {usd.split("/")[1] for usd in usds}
-    for name in sorted(names | {SHARED} if names else names):
-        _complete(before / "house" / ASSETS / name, after / "house" / ASSETS / name)
-    if names:
-        _complete(before / "models", after / "models")
-
-
-def _complete(source: Path, target: Path) -> None:
-    """Copy the files that are not there."""
-    for file in source.rglob("*"):
-        place = target / file.relative_to(source)
-        if file.is_file() and not place.exists():
-            place.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(file, place)
-
-
 def _is_same(file: Path, other: Path) -> bool:
     return other.is_file() and filecmp.cmp(file, other, shallow=False)
 

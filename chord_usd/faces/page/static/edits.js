@@ -10,22 +10,33 @@ const ON_TOP_M = 0.1;
 
 export class Edits {
   /** dressed: told of each piece and the swap of it, or null, whenever something has changed. */
-  constructor(address, house, { changed, dressed }) {
-    Object.assign(this, { address, house, changed, dressed, done: [], revision: 0 });
+  constructor(address, house, { changed, dressed, saved }) {
+    Object.assign(this, { address, house, changed, dressed, saved, revision: 0 });
     this.state = { pieces: {}, locked: [] };
     this.sendInTurn = oneAtATime(() => this.send());
   }
 
   /** Take in what was changed before. */
   async load() {
-    const { revision, edits } = await get(this.address);
-    this.revision = revision;
-    this.state = { pieces: edits.pieces, locked: edits.locked };
+    await this.take();
     for (const piece of this.house.pieces.values()) {
       piece.was = rowsOf(piece.node.matrix);
       if (piece.model) piece.modelWas = rowsOf(piece.model.matrix);
     }
     this.showAll();
+  }
+
+  async take() {
+    const { revision, edits } = await get(this.address);
+    this.revision = revision;
+    this.state = { pieces: edits.pieces, locked: edits.locked };
+  }
+
+  /** Show the changes as the server has them now: some were undone. */
+  async reload() {
+    await this.take();
+    this.showAll();
+    this.changed();
   }
 
   showAll() {
@@ -62,25 +73,17 @@ export class Edits {
     return this.state.locked.includes(piece.path);
   }
 
-  /** Do something to the changes, so that it can be taken back. */
+  /** Do something to the changes; the server keeps it so that it can be undone. */
   apply(change) {
-    this.done.push(structuredClone(this.state));
     change(this.state);
     this.tell();
   }
 
-  undo() {
-    const state = this.done.pop();
-    if (!state) return;
-    this.state = state;
-    this.tell();
-  }
-
   tell() {
+    this.isUnsaved = true;
     this.showAll();
     this.changed();
     clearTimeout(this.timer);
-    this.isUnsaved = true;
     this.timer = setTimeout(() => this.save().catch(complain), SAVE_AFTER_MS);
   }
 
@@ -105,7 +108,6 @@ export class Edits {
   /** Begin to move a piece as a finger does. Returns what moves it on, by metres in all, and what
    * lets it go: one change, that can be taken back. */
   drag(piece) {
-    const before = structuredClone(this.state);
     const ones = [piece, ...this.restingOn(piece)];
     const from = ones.map((one) => one.node.matrix.clone());
     return {
@@ -115,10 +117,7 @@ export class Edits {
         setMatrix(one.node, rows);
         place(this.house.pieces, one);
       }),
-      end: () => {
-        this.done.push(before);
-        this.tell();
-      },
+      end: () => this.tell(),
     };
   }
 
@@ -205,6 +204,7 @@ export class Edits {
     this.isUnsaved = false;
     const body = { base: this.revision, edits: this.state };
     this.revision = (await ask("PUT", this.address, body)).revision;
+    await this.saved();
   }
 }
 

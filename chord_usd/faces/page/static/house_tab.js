@@ -1,5 +1,5 @@
 // The furnished house: to look at, to walk through, and to change piece by piece.
-import { file, get } from "./api.js";
+import { file, get, post } from "./api.js";
 import { boxOf, show } from "./batches.js";
 import { button, check, choice, complain, el, field } from "./dom.js";
 import { Collisions } from "./collisions.js";
@@ -47,7 +47,7 @@ class HouseTab {
     this.view = new SceneView(this.canvas, { picked: (piece) => this.choose(piece), held: (piece) => this.hold(piece) });
     const known = this.version.storeys ?? [{ house: house.id, plan: this.version.plan, name: "", elevation_m: 0, shift_m: [0, 0] }];
     const [loaded, ...plans] = await Promise.all([
-      this.view.load(file(house.id, version, "view", "view.glb")),
+      this.view.load(file(house.id, version, ...(this.version.view ?? "view/view.glb").split("/"))),
       ...known.map((one) => get(`/api/houses/${one.house}/plan?number=${one.plan}`)),
     ]);
     this.house = loaded;
@@ -60,14 +60,52 @@ class HouseTab {
     this.edits = new Edits(`/api/houses/${house.id}/versions/${version}/edits`, this.house, {
       changed: () => this.refresh(),
       dressed: (piece, swap) => this.swaps.show(piece, swap).catch(complain),
+      saved: () => this.app.refresh(),
     });
     await this.edits.load();
     this.hideCeilings(true);
     this.wait.remove();
     this.area.append(this.tools());
+    this.lookAsBefore();
     this.refresh();
     this.canvas.dataset.ready = "1";
     this.showTarget();
+  }
+
+  /** Another state of the same house is seen from where the one before it was. */
+  lookAsBefore() {
+    const before = this.app.lookedAt;
+    if (before?.id !== this.app.house.id) return;
+    this.view.camera.position.copy(before.from);
+    this.view.controls.target.copy(before.to);
+    this.view.controls.update();
+    this.room = this.house.rooms.some((one) => one.name === before.room) ? before.room : undefined;
+    this.chosen = this.house.pieces.get(before.path) ?? null;
+  }
+
+  /** Undo, redo, or go to a change of the history. */
+  async putBack(way, to) {
+    const { house } = this.app;
+    await this.edits.save();
+    await post(`/api/houses/${house.id}/versions/${this.version.number}/past`, { way, to });
+    await this.app.refresh();
+    // Where the view is another one, the house is loaded again.
+    if ((this.app.version()?.view ?? "") === (this.version.view ?? "")) await this.edits.reload();
+  }
+
+  pastForm() {
+    const { past } = this.app.house;
+    const step = (text, way) => {
+      const node = button(text, () => this.putBack(way), { title: past[way] ?? "" });
+      node.disabled = !past[way] && !(way === "undo" && this.edits.isUnsaved);
+      return node;
+    };
+    const rows = [...past.changes].reverse().map((one) => el("li", {}, one.number === past.number
+      ? `${one.told} (now)` : button(one.told, () => this.putBack("to", one.number), { title: one.made })));
+    return [
+      el("div", { class: "row" }, step("Undo", "undo"), step("Redo", "redo"), el("span", { class: "quiet" }, this.version.label)),
+      el("details", { hidden: !rows.length, id: "past" }, el("summary", {}, `History: ${rows.length}`), el("ol", { class: "list" }, ...rows)),
+    ];
   }
 
   /** What another tab asked to see. */
@@ -216,6 +254,8 @@ class HouseTab {
   }
 
   seen() {
+    const { past } = this.app.house;
+    if (this.edits && JSON.stringify(past) !== this.shownPast) this.refresh();
     const state = this.lastSaid()?.state;
     if (state === this.said || !this.canvas.dataset.ready) return;
     this.said = state;
@@ -225,10 +265,9 @@ class HouseTab {
   refresh() {
     this.met = this.mark();
     if (this.areCeilingsHidden) this.hideCeilings(true);
-    const undo = button("Undo", () => this.edits.undo());
-    undo.disabled = !this.edits.done.length;
+    this.shownPast = JSON.stringify(this.app.house.past);
     this.side.replaceChildren(
-      el("div", { class: "row" }, undo, el("span", { class: "quiet" }, this.version.label)),
+      ...this.pastForm(),
       ...(this.app.choices.canSay && this.storeys.length === 1 ? [this.sentenceForm()] : []),
       this.chosen ? this.pieceForm(this.chosen) : el("p", { class: "quiet" }, "Click a piece to change it; then drag it."),
       this.roomForm(),
@@ -311,8 +350,8 @@ class HouseTab {
 
   typed(event) {
     if (!this.edits || this.view.walker) return;
-    if (event.key === "z" && (event.ctrlKey || event.metaKey)) {
-      this.edits.undo();
+    if (event.key.toLowerCase() === "z" && (event.ctrlKey || event.metaKey)) {
+      this.putBack(event.shiftKey ? "redo" : "undo").catch(complain);
       return;
     }
     const piece = this.chosen;
@@ -329,6 +368,10 @@ class HouseTab {
 
   end() {
     this.edits?.save().catch(complain);
+    if (this.house) {
+      const [from, to] = [this.view.camera.position.clone(), this.view.controls.target.clone()];
+      this.app.lookedAt = { id: this.app.house?.id, from, to, room: this.room, path: this.chosen?.path };
+    }
     this.view?.end();
   }
 }

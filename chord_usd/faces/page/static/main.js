@@ -42,7 +42,10 @@ const app = {
     showTitle();
     // A new version is what was waited for, but not by one who corrects the plan meanwhile.
     const made = shown.versions.length > before.versions.length ? shown.versions.at(-1) : null;
-    if (made && (app.tab !== "plan" || made.plan === shown.plan)) {
+    const viewOf = (house) => house.versions.find((one) => one.number === house.shown)?.view;
+    if (app.tab === "house" && viewOf(shown) !== viewOf(before)) {
+      go(id, "house");
+    } else if (made && (app.tab !== "plan" || made.plan === shown.plan)) {
       go(id, "house");
     } else {
       app.seen(shown);
@@ -97,7 +100,7 @@ function follow() {
 }
 
 const WORDS = {
-  read: "Reading the plan", divide: "Dividing it into rooms", furnish: "Furnishing", refurnish: "Furnishing the room", say: "Changing the house",
+  read: "Reading the plan", divide: "Dividing it into rooms", furnish: "Furnishing", refurnish: "Furnishing the room", say: "Changing the house", view: "Drawing the house",
   check: "Checking", render: "Rendering", pack: "Packing", models: "Looking for others", swap: "Bringing it",
 };
 
