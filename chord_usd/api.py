@@ -53,7 +53,7 @@ class Piece:
     """A piece of furniture, an object on one, or something that a room is dressed with."""
 
     id: str
-    """Name of its prim, such as Desk_0; no other of its room has it on the same level."""
+    """Name of its prim, such as Desk_0; no other of the house has it."""
     category: str
     """Name in the category table, such as desk or double_sofa."""
     size_m: tuple[float, float, float]

@@ -244,7 +244,7 @@ def test_rooms_are_joined_by_what_light_passes(staged_house: Path) -> None:
     shut = [
         p
         for p in between
-        if (leaf := p.GetChild("Leaf_0"))
+        if (leaf := p.GetChild(f"Leaf_0_{p.GetName()}"))
         and not any(part.GetName().startswith("Glass_") for part in leaf.GetChildren())
     ]
     assert len(between) - len(shut) >= len(set(joined) - open_plan)

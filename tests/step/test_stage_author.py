@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSemantics
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade
 
 from chord_usd.base.errors import StageError
 from chord_usd.base.scene.geometry import footprint, room_polygon
@@ -17,6 +18,11 @@ from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check.check_scene import read_scene
 from chord_usd.line.stage.read.describe import StageSummary, summary
 from chord_usd.line.stage.shell.walls import build_walls
+
+
+SCOPES = {"Architecture", "Furniture", "Dressing", "Items", "Lights", "Joints", "Geometry",
+          "Materials", "Colliders"}  # fmt: skip
+"""Names that prims have because of where they are."""
 
 
 def prims_with_id(stage: Usd.Stage) -> dict[str, Usd.Prim]:
@@ -118,10 +124,18 @@ def test_no_component_holds_another_and_every_ancestor_is_typed(stage: Usd.Stage
 
 
 def test_names_are_numbered_labels(stage: Usd.Stage) -> None:
-    rooms = [room.GetName() for room in stage.GetDefaultPrim().GetChild("Rooms").GetChildren()]
-    assert len(set(rooms)) == len(rooms)
     for prim in prims_with_id(stage).values():
         assert re.fullmatch(r"[A-Z][A-Za-z]+(_\d+)?", prim.GetName())
+
+
+def test_no_two_things_of_a_house_have_one_name(stage: Usd.Stage) -> None:
+    """But for the scopes of a room and of a component, which are called what they are."""
+    below = Usd.PrimRange(stage.GetPrimAtPath("/House/Rooms"))
+    seen = [one for one in below if not one.IsA(UsdShade.Material) and not one.IsA(UsdShade.Shader)]
+    names = Counter(one.GetName() for one in seen if one.GetName() not in SCOPES)
+    colliders = re.compile(r"(Collider|Box|Hull)(_\d+)?")
+    assert {n: c for n, c in names.items() if c > 1 and not colliders.fullmatch(n)} == {}
+    assert sum(one.IsA(UsdPhysics.Joint) for one in seen) > 20
 
 
 def test_without_payloads_bounds_are_right_and_meshes_are_absent(staged_house: Path) -> None:
@@ -265,7 +279,7 @@ def test_every_opening_is_a_labelled_prim_of_a_room_it_joins(
         assert room.GetAttribute("chord:node_id").Get() in opening.room_ids
         assert prim.GetAttribute("semantics:labels:category").Get() == [opening.kind]
         parts = {child.GetName() for child in prim.GetChildren()}
-        parts |= {name.removesuffix(f"_{room.GetName()}_{prim.GetName()}") for name in parts}
+        parts = {name.removesuffix(f"_{prim.GetName()}") for name in parts}
         if opening.id in walls.tunnels:
             expected = {
                 "door": {"Frame", "Leaf_0"},

@@ -112,7 +112,8 @@ def gone(stage: Usd.Stage) -> None:
         room for room in stage.GetPrimAtPath("/House/Rooms/Storey_0").GetChildren()
         if room.GetName().startswith("Stairs")
     )  # fmt: skip
-    steps = f"Architecture/Geometry/Stair_0/Steps_{shaft.GetName()}_Stair_0"
+    stair = f"Stair_0_{shaft.GetName()}"
+    steps = f"Architecture/Geometry/{stair}/Steps_{stair}"
     steps = shaft.GetPath().AppendPath(steps)
     assert stage.GetPrimAtPath(steps)
     stage.OverridePrim(steps).SetActive(False)

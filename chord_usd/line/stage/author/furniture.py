@@ -55,7 +55,7 @@ PLACEHOLDER = "Placeholder"
 """Name of the plain box that stands in for an item without a mesh."""
 
 
-FURNITURE, DRESSING, JOINTS = "Furniture", "Dressing", "Joints"
+FURNITURE, DRESSING, ITEMS, JOINTS = "Furniture", "Dressing", "Items", "Joints"
 """Names of the groups of a room that hold its things, and what ties these to each other."""
 
 
@@ -130,7 +130,7 @@ def _place(layer: Sdf.Layer, parent: Sdf.Path, named: NamedItem, shop: _Shop) ->
     group = define(layer, path, "Xform", kind="group")
     place(group, at_m=named.item.box.center_m, yaw_deg=named.item.box.yaw_deg)
     _refer(layer, path.AppendChild(named.label), named, shop, placed=False)
-    items = define(layer, path.AppendChild("Items"), "Xform", kind="group")
+    items = define(layer, path.AppendChild(ITEMS), "Xform", kind="group")
     for child in named.children:
         _place(layer, items.path, child, shop)
 
@@ -153,12 +153,17 @@ def _tie(layer: Sdf.Layer, room: str, named: NamedItem, carrier: NamedItem) -> N
     joints = layer.GetPrimAtPath(f"{room}/{JOINTS}") or define(layer, f"{room}/{JOINTS}", "Scope")
     at_m = (*to_own(below, box.center_m[:2]), box.center_m[2] - below.center_m[2])
     scale = _scale(carrier.item)
-    path = joints.path.AppendChild(named.name)
+    path = joints.path.AppendChild(joint_name(named.name))
     turn_deg = box.yaw_deg - below.yaw_deg
     below_path = f"{groups[1]}/{within}"
     hold(layer, path, below_path, prim.path, at_m / scale, turn_deg)
     # Newton refuses joints of bodies that belong to no articulation.
     apply_schema(layer.GetPrimAtPath(below_path), "PhysicsArticulationRootAPI")
+
+
+def joint_name(thing: str) -> str:
+    """Name of the joint that holds a thing of this name to its carrier."""
+    return f"Joint_{thing}"
 
 
 def _size_m(item: Item) -> tuple[float, float, float]:

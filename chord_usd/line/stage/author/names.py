@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,7 +40,10 @@ BORDER = "Border"
 
 @dataclass(frozen=True, eq=False)
 class NamedItem:
-    """An item and its prims: `Desk_0`, a group around `Desk` where it carries children."""
+    """An item and its prims: `Desk_0`, a group around `Desk` where it carries children.
+
+    Numbers run through the house: Blender numbers objects of one name once more.
+    """
 
     name: str
     label: str
@@ -79,11 +82,12 @@ class NamedRoom:
 
 
 def name_rooms(
-    graph: SceneGraph, group: str = "", taken: Collection[str] = ()
+    graph: SceneGraph, group: str = "", taken: set[str] | None = None
 ) -> tuple[NamedRoom, ...]:
     """Every room, item and opening of a house under its name, in the graph's order.
 
-    group: that of the storey. taken: names of rooms of other storeys, so that none is twice.
+    group: that of the storey. taken: names that other storeys have; gets those that are given, so
+    that no two rooms, openings or items of a house are called the same.
 
     An opening belongs to the first room it joins; what names no room of the house belongs to the
     nearest one. Raises SceneError for a house without rooms.
@@ -94,6 +98,7 @@ def name_rooms(
             expected="at least one closed room",
             try_="chord-usd plan read PLAN -o plan.json --overlay look.png shows what was read",
         )
+    taken = set() if taken is None else taken
     names = _numbered([room_label(room) for room in graph.rooms], taken)
     place = _Places(graph.rooms)
     items, dressing = _by_room(graph.items, place), _by_room(graph.dressing, place)
@@ -106,9 +111,9 @@ def name_rooms(
         borders[place.owner(border.room_ids, border.box.center_m)].append(side)
     return tuple(
         NamedRoom(
-            index, names[index], room, name_items(items[index]),
-            _openings(openings[index], borders[index]),
-            name_items(dressing[index]), group,
+            index, names[index], room, name_items(items[index], taken),
+            _openings(openings[index], borders[index], taken),
+            name_items(dressing[index], taken), group,
         )
         for index, room in enumerate(graph.rooms)
     )  # fmt: skip
@@ -121,14 +126,14 @@ def _by_room(items: Iterable[Item], place: _Places) -> list[list[Item]]:
     return rooms
 
 
-def name_items(items: Sequence[Item], taken: Collection[str] = ()) -> tuple[NamedItem, ...]:
+def name_items(items: Sequence[Item], taken: set[str]) -> tuple[NamedItem, ...]:
     """Items under their category's label, numbered in their order: Desk_0, Chair_0, Chair_1.
 
-    taken: names that are given already.
+    taken: names of the house that are given already; gets those of the items and their children.
     """
     labels = [identifier(category(item.category).label) for item in items]
     return tuple(
-        NamedItem(name, label, item, name_items(item.children))
+        NamedItem(name, label, item, name_items(item.children, taken))
         for name, label, item in zip(_numbered(labels, taken), labels, items, strict=True)
     )
 
@@ -165,19 +170,22 @@ def spoken(label: str) -> str:
     return "".join(f" {one}" if one.isupper() else one for one in label).strip()
 
 
-def _openings(openings: Sequence[Opening], borders: Sequence[Opening]) -> tuple[NamedOpening, ...]:
+def _openings(
+    openings: Sequence[Opening], borders: Sequence[Opening], taken: set[str]
+) -> tuple[NamedOpening, ...]:
     labels = [opening.kind.capitalize() for opening in openings] + [BORDER] * len(borders)
-    return tuple(map(NamedOpening, _numbered(labels), (*openings, *borders)))
+    return tuple(map(NamedOpening, _numbered(labels, taken), (*openings, *borders)))
 
 
-def _numbered(labels: Iterable[str], taken: Collection[str] = ()) -> list[str]:
+def _numbered(labels: Iterable[str], taken: set[str]) -> list[str]:
+    """Each label with the first number that is free, which is then taken."""
     seen: Counter[str] = Counter()
     names = []
     for label in labels:
         while f"{label}_{seen[label]}" in taken:
             seen[label] += 1
         names.append(f"{label}_{seen[label]}")
-        seen[label] += 1
+        taken.add(names[-1])
     return names
 
 

@@ -74,7 +74,7 @@ def hang_leaf(
     kg_per_m2: float = DOOR_KG_PER_M2,
 ) -> None:
     """Make the leaf of a door or window a body that turns about its own z axis, beside it a joint
-    `Hinge_n` that nothing drives.
+    `Hinge_n_Door_m` that nothing drives.
 
     hinge_m: the leaf's origin in the frame of its opening. box: what it fills, in its own frame.
     opens_deg: the smallest and the largest turn; closed is 0. material: that it feels like.
@@ -83,7 +83,7 @@ def hang_leaf(
     mass_kg = kg_per_m2 * width_m * height_m
     give_body(leaf, mass_kg)
     write_collider(layer, leaf.path.AppendChild("Collider"), box, material)
-    path = leaf.path.GetParentPath().AppendChild(f"Hinge_{leaf.name.rpartition('_')[2]}")
+    path = leaf.path.GetParentPath().AppendChild(f"Hinge_{leaf.name.partition('_')[2]}")
     joint = define(layer, path, "PhysicsRevoluteJoint")
     relate(joint, "physics:body0", [leaf.path.GetParentPath()])
     relate(joint, "physics:body1", [leaf.path])

@@ -70,12 +70,11 @@ def levels_of(building: Building, graphs: Sequence[SceneGraph]) -> list[Level]:
     if len(graphs) == 1:
         return [one_level(graphs[0])]
     levels: list[Level] = []
-    taken: list[str] = []
+    taken: set[str] = set()
     for storey, furnished in zip(building.storeys, graphs, strict=True):
         graph = with_own_ids(furnished, storey.prefix)
         group = f"{STOREY}{storey.index}"
         rooms = name_rooms(graph, group, taken)
-        taken += [room.name for room in rooms]
         level = Level(graph, rooms, build_walls(graph.plan), group, storey.name, storey.elevation_m)
         for climb in building.climbs:
             if climb.storey == storey.index:

@@ -17,7 +17,7 @@ from chord_usd.base.scene.geometry import to_own, to_world
 from chord_usd.base.scene.types import Box, Provenance, StageFile
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.stage.author.design_notes import forget_design
-from chord_usd.line.stage.author.furniture import DRESSING, JOINTS
+from chord_usd.line.stage.author.furniture import DRESSING, JOINTS, joint_name
 from chord_usd.line.stage.author.prims import Types, apply_schema, attribute, define, relate
 from chord_usd.line.stage.author.stage_levels import room_spec, room_specs
 from chord_usd.line.stage.edit.refurnish import (
@@ -141,11 +141,10 @@ def _brought(layer: Sdf.Layer, prim: Sdf.PrimSpec, room_name: str) -> Sdf.PrimSp
     group = _room(layer, room_name).nameChildren.get(prim.nameParent.name)
     if not group:
         raise StageError(f"{room_name} has no {prim.nameParent.name} to bring {prim.name} to")
-    stem = prim.name.rsplit("_", 1)[0]
-    number = 0
-    while f"{stem}_{number}" in group.nameChildren:
-        number += 1
-    path, old = group.path.AppendChild(f"{stem}_{number}"), prim.path
+    name, number = prim.name, 0
+    while name in group.nameChildren:  # houses of earlier versions number by room
+        name, number = f"{prim.name.rsplit('_', 1)[0]}_{number}", number + 1
+    path, old = group.path.AppendChild(name), prim.path
     Sdf.CopySpec(layer, old, layer, path)
     del prim.nameParent.nameChildren[prim.name]
     _rename_notes(layer, path, str(old), str(path))
@@ -181,7 +180,7 @@ def _follow(layer: Sdf.Layer, room_name: str, old: Sdf.Path, new: Sdf.Path) -> N
                 there = _room(layer, room_name).path.AppendChild(JOINTS)
                 if not layer.GetPrimAtPath(there):
                     define(layer, there, "Scope")
-                Sdf.CopySpec(layer, joint.path, layer, there.AppendChild(new.name))
+                Sdf.CopySpec(layer, joint.path, layer, there.AppendChild(joint_name(new.name)))
                 del joints.nameChildren[joint.name]
 
 

@@ -39,6 +39,7 @@ from chord_usd.line.stage.author.design_notes import forget_design
 from chord_usd.line.stage.author.furniture import (
     DRESSING,
     FURNITURE,
+    ITEMS,
     JOINTS,
     place_dressing,
     place_furniture,
@@ -53,7 +54,7 @@ from chord_usd.line.stage.author.lighting import (
 )
 from chord_usd.line.stage.author.names import NamedRoom, name_items
 from chord_usd.line.stage.author.prims import Types, attribute, note
-from chord_usd.line.stage.author.stage_levels import STOREY, room_spec
+from chord_usd.line.stage.author.stage_levels import STOREY, room_spec, room_specs
 from chord_usd.line.stage.author.variants import Wardrobe
 from chord_usd.line.stage.edit.staged_house import SEED
 from chord_usd.line.stage.export.packages import (
@@ -265,7 +266,8 @@ def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.
             if name not in new.kept:
                 del group.nameChildren[name]
     _untie(layer, room)
-    items, hung = (name_items(things, taken=new.kept) for things in (new.items, new.dressing))
+    taken = _names_of_things(layer)
+    items, hung = (name_items(things, taken) for things in (new.items, new.dressing))
     group = room.nameParent.name if room.nameParent.name.startswith(STOREY) else ""
     named = NamedRoom(0, new.room_name, new.room, items, (), hung, group)
     with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
@@ -289,6 +291,15 @@ def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.
         forget_design(layer, [new.room_name])
     layer.Save()
     return layer
+
+
+def _names_of_things(layer: Sdf.Layer) -> set[str]:
+    """Names of what stands and hangs in all rooms, and of what stands on it."""
+    groups = [room.nameChildren.get(name) for room in room_specs(layer)
+              for name in (FURNITURE, DRESSING)]  # fmt: skip
+    things = [thing for group in groups if group for thing in group.nameChildren]
+    carried = [thing.nameChildren.get(ITEMS) for thing in things]
+    return {one.name for one in (*things, *(c for on in carried if on for c in on.nameChildren))}
 
 
 def _untie(layer: Sdf.Layer, room: Sdf.PrimSpec) -> None:

@@ -112,7 +112,7 @@ def _draw_room(
         _draw_opening(component, opening, room, walls, rooms)
     railings = [tunnel for index, tunnel in walls.railings if index == room.index]
     for number, tunnel in enumerate(railings):
-        _draw_railing(component, f"Railing_{number}", tunnel, room)
+        _draw_railing(component, f"Railing_{number}_{room.name}", tunnel, room)
     holes = level.holes if room.room.id in level.ways else ()
     steps: list[Box] = []
     hulls: list[Sequence[Face]] = []
@@ -196,7 +196,7 @@ def _draw_opening(
         if part.name == "Board":  # vases stand on it
             component.guard(group, [_around(part.faces)], part.surface)
     for index, (hinge_m, leaf) in enumerate(leaves_of(tunnel)):
-        drawn = component.group(f"{named.name}/Leaf_{index}")
+        drawn = component.group(f"{named.name}/Leaf_{index}_{named.name}")
         place(drawn, at_m=hinge_m, yaw_deg=0.0)
         kind = _leaf_kind(opening, rooms, component.fitout)
         parts = leaf_parts(leaf, kind=kind, opens=opens)
@@ -204,7 +204,7 @@ def _draw_opening(
             _draw_part(component, f"{named.name}/{drawn.name}", part, room, frame.inner(hinge_m))
         component.hang(drawn, hinge_m, leaf, opens, parts[0].surface)
     for index, sash in enumerate(sashes_in(tunnel, inside)):
-        drawn = component.group(f"{named.name}/Sash_{index}")
+        drawn = component.group(f"{named.name}/Sash_{index}_{named.name}")
         place(drawn, at_m=sash.hinge_m, yaw_deg=0.0)
         for part in sash.parts:
             path = f"{named.name}/{drawn.name}"

@@ -37,14 +37,14 @@ def draw_stairs(component: ShellComponent, room: NamedRoom, level: Level) -> Non
     """The stairs up from a room, and the railings around the hole that one comes up through."""
     solid = level.walls.solid_m
     for index, own in enumerate(level.rising.get(room.room.id, ())):
-        group = component.group(f"Stair_{index}")
+        group = component.group(f"Stair_{index}_{room.name}")
         label(group, "category", "stairs")
         note_stair(group, own)
         for part in stair_parts(own.built, solid):
             material = floor_material(room) if part.surface == "Floor" else part.surface
             component.mesh(f"{group.name}/{part.name}", part.faces, material)
         for number, (line, low_m) in enumerate(open_landing_sides(own.built, solid)):
-            _draw_guard(component, f"{group.name}/Guard_{number}", line, low_m)
+            _draw_guard(component, f"{group.name}/Guard_{number}_{group.name}", line, low_m)
     ways = level.ways.get(room.room.id)
     if ways is not None:
         component.reserve(floor_material(room))
@@ -55,7 +55,7 @@ def draw_stairs(component: ShellComponent, room: NamedRoom, level: Level) -> Non
         edged = [_largest(hole.difference(unary_union(level.landings))) for hole in own_holes]
         lines = [line for hole in edged for line in guard_lines(hole, around, ways)]
         for number, line in enumerate(lines):
-            _draw_guard(component, f"Guard_{number}", line, 0.0)
+            _draw_guard(component, f"Guard_{number}_{room.name}", line, 0.0)
 
 
 def _draw_guard(component: ShellComponent, name: str, line: FloatArray, low_m: float) -> None:

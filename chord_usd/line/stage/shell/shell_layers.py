@@ -43,8 +43,8 @@ from chord_usd.line.stage.shell.window_parts import Sash
 class ShellComponent:
     """A payload layer being written: meshes under Geometry, materials under Materials.
 
-    No others of the house have their names, which end in that of the room and of the groups above:
-    Blender numbers those that are alike.
+    No others of the house have their names, which end in that of the group or room that they are
+    part of: Blender numbers those that are alike.
     """
 
     def __init__(self, path: Path, name: str, fitout: Fitout, owner: str = "") -> None:
@@ -82,7 +82,7 @@ class ShellComponent:
         if mesh.is_empty:
             return
         *groups, part = name.split("/")
-        own = "_".join(filter(None, (part, self._owner, *groups)))
+        own = "_".join(filter(None, (part, groups[-1] if groups else self._owner)))
         path = self._root.AppendPath("/".join(("Geometry", *groups, own)))
         prim = write_mesh(self._layer, path, mesh)
         bind(prim, self._material(material))
