@@ -44,8 +44,9 @@ if TYPE_CHECKING:
 FilePath = str | PathLike[str]
 Quality = Literal["draft", "good", "final"]
 Package = Literal[
-    "web", "ar", "gltf", "ifc", "dxf", "ros", "robot", "mujoco", "urdf", "sdf", "materialx"
-]
+    "web", "ar", "gltf", "ifc", "dxf", "ros", "robot", "mujoco", "urdf", "sdf", "habitat",
+    "materialx",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)

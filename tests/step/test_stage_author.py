@@ -19,7 +19,6 @@ from chord_usd.line.stage.check.check_scene import read_scene
 from chord_usd.line.stage.read.describe import StageSummary, summary
 from chord_usd.line.stage.shell.walls import build_walls
 
-
 SCOPES = {"Architecture", "Furniture", "Dressing", "Items", "Lights", "Joints", "Geometry",
           "Materials", "Colliders"}  # fmt: skip
 """Names that prims have because of where they are."""

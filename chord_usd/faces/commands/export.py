@@ -32,6 +32,7 @@ PACKAGES = {
     "mujoco": "a folder with an MJCF model, its meshes and textures",
     "urdf": "a folder with a URDF model and its meshes",
     "sdf": "a folder with an SDF model and its meshes",
+    "habitat": "a folder with a scene data set of Habitat",
     "blend": "a file of Blender with its pictures in it",
     "materialx": "a folder with the house, its materials in MaterialX, too",
 }

@@ -15,7 +15,7 @@ from chord_usd.line.stage.author.attribution import attribution_file
 
 PACKAGES = {
     "web": ".usdz", "ar": ".usdz", "gltf": ".glb", "ifc": ".ifc", "dxf": ".dxf", "ros": "",
-    "robot": ".json", "mujoco": "", "urdf": "", "sdf": "", "materialx": "",
+    "robot": ".json", "mujoco": "", "urdf": "", "sdf": "", "habitat": "", "materialx": "",
 }  # fmt: skip
 """Kinds of packages and the suffix of their file; "" for a folder."""
 
@@ -30,6 +30,7 @@ _WRITERS = {
     "mujoco": "exchange.mjcf_model.write_mjcf",
     "urdf": "exchange.urdf_model.write_urdf",
     "sdf": "exchange.sdf_model.write_sdf",
+    "habitat": "exchange.habitat.write_habitat",
     "materialx": "exchange.materialx.write_materialx",
 }
 """What writes each, in this folder: a function of the open stage and of where to write."""

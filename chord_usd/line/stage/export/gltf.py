@@ -20,7 +20,7 @@ from chord_usd.line.stage.read.vertices import Vertices, joined, tangents_of, ve
 from chord_usd.line.stage.shell.roof import wear_roof
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
-_Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """glTF is Y up; Z up turns into it about x."""
 
 _ASIDE = (UsdGeom.Tokens.guide, UsdGeom.Tokens.render)
@@ -49,8 +49,11 @@ def write_glb(
     *,
     photometric: bool = False,
     tangents: bool = True,
+    root: Usd.Prim | None = None,
 ) -> None:
     """Write what is seen of the stage to target, a .glb, in metres; pictures of at most most_px.
+
+    root: what is written of it, in its own frame and units; by default all.
 
     Prims are nodes, with `extras` that say what they are; within a component only those that have
     a label or move are, and the meshes of one node and one material are one primitive. Lights are
@@ -62,9 +65,9 @@ def write_glb(
     with ThreadPoolExecutor(usable_cores()) as pool:
         lux_per_unit = 1.0 if photometric else LUX_PER_UNIT
         writer = _Writer(stage, pool, most_px, lux_per_unit, tangents=tangents)
-        root = writer.root(stage.GetDefaultPrim())
+        top = writer.alone(root) if root else writer.root(stage.GetDefaultPrim())
         writer.looks.finish()
-    target.write_bytes(writer.file.to_bytes(root))
+    target.write_bytes(writer.file.to_bytes(top))
 
 
 class _Writer:
@@ -93,8 +96,13 @@ class _Writer:
         """Write the node of the default prim, which turns and scales all of it."""
         frame = np.diag([self._metres] * 3 + [1.0])
         world = np.array(self._frames.GetLocalToWorldTransform(prim)).T
-        frame = (_Y_UP if self._is_z_up else np.eye(4)) @ frame @ world
+        frame = (Y_UP if self._is_z_up else np.eye(4)) @ frame @ world
         node = self._node(prim, frame, inside=_is_component(prim), room="")
+        return self.file.add("nodes", node or {"name": prim.GetName()})
+
+    def alone(self, prim: Usd.Prim) -> int:
+        """Write the node of a component, or of a part of one, where its origin is."""
+        node = self._node(prim, Y_UP, inside=True, room="")
         return self.file.add("nodes", node or {"name": prim.GetName()})
 
     def _node(self, prim: Usd.Prim, frame: FloatArray, *, inside: bool, room: str) -> Entry | None:
