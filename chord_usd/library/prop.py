@@ -28,6 +28,9 @@ from chord_usd.library.surfaces.physical import feel_of, write_feel
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
+GRASPS = "grasps.json"
+"""Beside the interface, once a command has tried where a gripper holds the piece."""
+
 THUMBNAIL_PX = 256
 """Side of the picture."""
 
@@ -165,4 +168,4 @@ def write_thumbnail(design: Design, parts: Sequence[Part], package: Path) -> Non
 def prop_files(name: str) -> tuple[str, ...]:
     """What a package holds for the prop beside what its interface points to."""
     thumbnail = f"{PROP}/.thumbs/{THUMBNAIL_PX}x{THUMBNAIL_PX}/{name}.usda.png"
-    return f"{PROP}/{name}.usda", thumbnail
+    return f"{PROP}/{name}.usda", thumbnail, GRASPS

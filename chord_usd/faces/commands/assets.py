@@ -49,6 +49,11 @@ def add(verbs: Verbs) -> None:
     _add_sheet(listing, "also draw a picture of each")
     _add_nearest(group)
     _add_export(group)
+    grasps = add_verb(group, "grasps", run_grasps, "try where a gripper holds small things")
+    grasps.add_argument(
+        "ids", nargs="*", metavar="ID", help="which; without any, all that are small"
+    )
+    add_options(grasps, "asset_folders")
     show = add_verb(group, "show", run_show, "show one mesh: size, licence, files")
     show.add_argument("id", metavar="ID", help="as chord-usd assets list prints it")
     add_options(show, "asset_folders")
@@ -228,6 +233,29 @@ def run_export(options: argparse.Namespace) -> Outcome:
         progress(len(chosen), len(chosen))
     data = {"folder": str(options.output), "assets": chosen, "seconds": watch.seconds}
     return Outcome(f"{options.output}: {counted(len(chosen), 'package')}", data)
+
+
+def run_grasps(options: argparse.Namespace) -> Outcome:
+    """Runs assets grasps."""
+    from chord_usd.library.database import load_database
+    from chord_usd.library.grasp_trials import write_grasps
+    from chord_usd.library.grasps import is_graspable
+
+    database = load_database(options.asset_folders)
+    known = {asset.id: asset for asset in database.assets}
+    small = [asset.id for asset in database.assets if is_graspable(asset)]
+    chosen = [_known(known, name).id for name in dict.fromkeys(options.ids or small)]
+    watch, told = stopwatch(options), []
+    with watch.step("grasps") as progress:
+        for done, name in enumerate(chosen):
+            progress(done, len(chosen))
+            trial = write_grasps(database.named(name))
+            told.append({"id": name, "held": len(trial.held), "tried": trial.tried})
+        progress(len(chosen), len(chosen))
+    held = sum(bool(entry["held"]) for entry in told)
+    lines = [f"{entry['id']:<32} {entry['held']} of {entry['tried']} hold" for entry in told]
+    lines.append(f"{held} of {counted(len(told), 'design')} held")
+    return Outcome("\n".join(lines), {"assets": told, "seconds": watch.seconds})
 
 
 def run_build(options: argparse.Namespace) -> Outcome:

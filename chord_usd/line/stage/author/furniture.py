@@ -18,6 +18,7 @@ from chord_usd.base.scene.articulation import ARTICULATION, FIXED, JOINTED
 from chord_usd.base.scene.geometry import footprint, to_own
 from chord_usd.base.scene.palette import Level, category, usual_mass_kg
 from chord_usd.base.scene.types import Asset, Box, FloatArray, Item
+from chord_usd.library.prop import GRASPS
 from chord_usd.line.stage.author.names import NamedItem, NamedRoom
 from chord_usd.line.stage.author.physics import (
     define_colliders,
@@ -184,7 +185,8 @@ def _refer(
     item = named.item
     asset = item.asset or _placeholder(shop.scratch)
     prim = define(layer, path, "Xform", kind="component", name=category(item.category).label)
-    prim.referenceList.prependedItems.append(Sdf.Reference(shop.assets.add(asset.usd_path)))
+    package = shop.assets.add(asset.usd_path, (GRASPS,))
+    prim.referenceList.prependedItems.append(Sdf.Reference(package))
     chosen = shop.wardrobe.selections(item, shop.named.room)
     for variant_set, variant in chosen.items():
         prim.variantSelections[variant_set] = variant

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import count
@@ -42,18 +42,20 @@ class Packages:
         self._names: dict[Path, str] = {}
         self._shared: set[Path] = set()
 
-    def add(self, interface: Path, also: Iterable[str] = ()) -> str:
+    def add(self, interface: Path, also: Collection[str] = ()) -> str:
         """Take in the package of this interface layer; returns the path for a reference.
 
-        also: names of files beside it that go with it where they are there. Raises AssetError when
-        the layer is not there, is none, or refers to files outside its folder.
+        also: names of files beside it that go with it where they are there; a package without them
+        is the same. Raises AssetError when the layer is not there, is none, or refers to files
+        outside its folder.
         """
         interface = Path(os.path.abspath(interface))  # noqa: PTH100 (not through links)
         if interface not in self._names:
             package = package_files(interface, also)
             files = package.files
             taken = set(self._names.values())
-            name = free_package(interface.parent.name, files, self._finals, taken)
+            told = {name: file for name, file in files.items() if name.name not in also}
+            name = free_package(interface.parent.name, told, self._finals, taken)
             self._names[interface] = name
             # Also what lies there already: the house is checked before it is delivered.
             _copy(files, self._staged / name)

@@ -234,7 +234,8 @@ def _semantics(stage: Usd.Stage) -> dict[str, Any]:
         for room in scene.graph.rooms:
             outline = np.asarray(room.polygon_m)
             loop = [_turned((x, y, floor_m)) for x, y in outline]
-            low, high = np.min(loop, axis=0), np.max(loop, axis=0)
+            corners = np.array(loop, dtype=np.float64)
+            low, high = corners.min(axis=0), corners.max(axis=0)
             high[1] += ROOM_HEIGHT_M
             regions.append({
                 "name": room.id.rsplit("/", 1)[-1], "label": room.kind, "poly_loop": loop,
@@ -267,7 +268,8 @@ def _is_component(prim: Usd.Prim) -> bool:
 
 def _turned(at: Sequence[float] | FloatArray) -> list[float]:
     """A point or a direction, Y up."""
-    return _rounded(Y_UP[:3, :3] @ np.asarray(at, dtype=np.float64))
+    turned: FloatArray = Y_UP[:3, :3] @ np.asarray(at, dtype=np.float64)
+    return _rounded(turned)
 
 
 def _rounded(values: Sequence[float] | FloatArray) -> list[float]:

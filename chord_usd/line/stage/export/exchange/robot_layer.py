@@ -19,6 +19,9 @@ from pxr import Usd, UsdGeom, UsdPhysics
 
 from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import FloatArray, Item
+from chord_usd.library.grasps import LIFTED_KG
+from chord_usd.library.grasps import OPEN_M as GRIPPER_M
+from chord_usd.library.prop import GRASPS
 from chord_usd.line.stage.check.check_scene import solids_of
 from chord_usd.line.stage.edit.leaves_and_lamps import LeafThere, free_shares, things_there
 from chord_usd.line.stage.export.exchange.built_house import House
@@ -27,11 +30,6 @@ from chord_usd.line.stage.read.leaf_states import STATE
 
 FORMAT = "chord-usd robot layer 1"
 SCHEMA = Path(__file__).with_suffix(".schema.json")
-
-GRIPPER_M = 0.085
-"""How far a parallel gripper opens."""
-
-LIFTED_KG = 3.0
 
 _HANDLE = re.compile("handle(?!less)|rail|knob|grip", re.IGNORECASE)
 _LEAST_TOP_M2, _LEVEL_M = 0.04, 0.004
@@ -185,6 +183,7 @@ def _top(heights_m: FloatArray, areas_m2: FloatArray) -> float | None:
 
 def _graspable(stage: Usd.Stage, house: House) -> Iterator[dict[str, Any]]:
     """Bodies that a parallel gripper lifts."""
+    transforms = UsdGeom.XformCache()
     tied = {
         str(target)
         for prim in stage.Traverse() if prim.IsA(UsdPhysics.FixedJoint)
@@ -203,7 +202,26 @@ def _graspable(stage: Usd.Stage, house: House) -> Iterator[dict[str, Any]]:
             "position": _rounded((x, y, z + house.elevation_m)),
             "yaw": round(math.radians(item.box.yaw_deg), 4),
             "size": _rounded(item.box.size_m), "mass": round(mass_kg, 4),
+            "grasps": list(graspable_at(prim, transforms)),
         }  # fmt: skip
+
+
+def graspable_at(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Iterator[dict[str, Any]]:
+    """Those that were tried with its asset, where it stands; none where none were."""
+    folders = dict.fromkeys(Path(spec.layer.realPath).parent for spec in prim.GetPrimStack())
+    file = next((folder / GRASPS for folder in folders if (folder / GRASPS).is_file()), None)
+    matrix = np.array(transforms.GetLocalToWorldTransform(prim)).T
+    for told in json.loads(file.read_text(encoding="utf-8"))["grasps"] if file else ():
+        closes, approach = (matrix[:3, :3] @ told[name] for name in ("closes", "approach"))
+        stretch = float(np.linalg.norm(closes))
+        width = told["width"] * stretch
+        if width < GRIPPER_M:
+            yield {
+                "position": _rounded(matrix[:3, :3] @ told["position"] + matrix[:3, 3]),
+                "closes": _rounded(closes / stretch),
+                "approach": _rounded(approach / np.linalg.norm(approach)),
+                "width": round(width, 4), "from_support": told["from_support"],
+            }  # fmt: skip
 
 
 def _carried(house: House) -> Iterator[tuple[Item, str, str | None]]:
