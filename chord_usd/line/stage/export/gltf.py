@@ -20,7 +20,7 @@ from chord_usd.line.stage.read.vertices import Vertices, joined, tangents_of, ve
 from chord_usd.line.stage.shell.roof import wear_roof
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
-Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+Y_UP: FloatArray = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """glTF is Y up; Z up turns into it about x."""
 
 _ASIDE = (UsdGeom.Tokens.guide, UsdGeom.Tokens.render)
