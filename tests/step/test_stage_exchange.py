@@ -187,6 +187,24 @@ def test_a_building_keeps_to_the_schema(building: Any, plain: Path, tmp_path: Pa
     assert {one.GlobalId for one in odd.by_type("IfcRoot")}.isdisjoint(identifiers)
 
 
+def test_a_building_says_what_architects_look_for(building: Any) -> None:
+    from ifcopenshell.util.element import get_material, get_psets
+
+    for kind in ("Space", "Wall", "Slab", "Door", "Window"):
+        for element in building.by_type(f"Ifc{kind}"):
+            sets = get_psets(element)
+            assert "IsExternal" in sets[f"Pset_{kind}Common"]
+            told = [v for k, v in sets[f"Qto_{kind}BaseQuantities"].items() if k != "id"]
+            assert told
+            assert min(told) > 0.0
+            if kind in ("Wall", "Slab"):
+                assert get_material(element).Name
+    walls = building.by_type("IfcWall")
+    facades = [get_psets(one)["Pset_WallCommon"]["IsExternal"] for one in walls]
+    assert any(facades)
+    assert not all(facades)
+
+
 def test_names_survive_in_a_building(plain: Path, tmp_path: Path) -> None:
     import ifcopenshell
 
@@ -257,6 +275,11 @@ def test_a_drawing_has_layers_by_kind_and_blocks_by_model(
     inserts = document.modelspace().query("INSERT")
     assert len(inserts) == len(staged_graph.items)
     assert len({insert.dxf.name for insert in inserts}) <= 2
+    low, high = (np.array(document.header[name]) for name in ("$EXTMIN", "$EXTMAX"))
+    corners = np.concatenate([room.polygon_m for room in staged_graph.rooms])
+    assert (low[:2] <= corners.min(axis=0)).all()
+    assert (high[:2] >= corners.max(axis=0)).all()
+    assert np.ptp([low[:2], high[:2]], axis=0).max() < 3 * np.ptp(corners, axis=0).max()
 
 
 # Maps ---------------------------------------------------------------------------------------------

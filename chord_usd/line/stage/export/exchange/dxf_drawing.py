@@ -61,7 +61,18 @@ def write_dxf(stage: Usd.Stage, target: Path) -> None:
             _draw(_Sheet(document, house, blocks), pieces_of(stage, house))
             if house.storey:
                 _lift(document.modelspace()[before:], house)
+        _note_extents(document)
         document.saveas(target)
+
+
+def _note_extents(document: Any) -> None:
+    """Say how far the drawing reaches, which programs zoom to."""
+    from ezdxf import bbox
+
+    reach = bbox.extents(document.modelspace(), fast=True)
+    if reach.has_data:
+        document.modelspace().reset_extents(reach.extmin, reach.extmax)
+        document.header["$EXTMIN"], document.header["$EXTMAX"] = reach.extmin, reach.extmax
 
 
 def _draw(sheet: _Sheet, pieces: Iterable[Piece]) -> None:

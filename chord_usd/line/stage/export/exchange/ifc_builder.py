@@ -183,19 +183,46 @@ class IfcBuilder:
 
     # Properties -----------------------------------------------------------------------------------
 
-    def describe(self, element: Entity, key: str, values: Mapping[str, str | float]) -> None:
-        """What we know of an element, as a property set of our own."""
+    def describe(
+        self, element: Entity, key: str, values: Mapping[str, str | float], named: str = ""
+    ) -> None:
+        """What we know of an element, as a property set: named as in the standard, or our own."""
         properties = [
             self.add("IfcPropertySingleValue", Name=name, NominalValue=self._value(value))
             for name, value in values.items()
         ]
-        held = self.rooted("IfcPropertySet", key, "ChordUsd", HasProperties=properties)
+        own = f"{key}/{named}" if named else key
+        held = self.rooted("IfcPropertySet", own, named or "ChordUsd", HasProperties=properties)
+        self._define(element, own, held)
+
+    def measure(self, element: Entity, key: str, values: Mapping[str, float]) -> None:
+        """Base quantities of an element by their names, which say lengths, areas and volumes."""
+        quantities = []
+        for name, value in values.items():
+            unit = next((one for one in ("Area", "Volume") if name.endswith(one)), "Length")
+            told = {f"{unit}Value": round(float(value), 4)}
+            quantities.append(self.add(f"IfcQuantity{unit}", Name=name, **told))
+        kind = str(element.is_a()).removeprefix("Ifc")
+        name = f"Qto_{kind}BaseQuantities"
+        held = self.rooted("IfcElementQuantity", f"{key}/{name}", name, Quantities=quantities)
+        self._define(element, f"{key}/{name}", held)
+
+    def _define(self, element: Entity, key: str, held: Entity) -> None:
         self.relate(
             "IfcRelDefinesByProperties", key,
             RelatedObjects=[element], RelatingPropertyDefinition=held,
         )  # fmt: skip
 
+    def make_of(self, elements: Sequence[Entity], material: str) -> None:
+        """Say what elements are made of."""
+        self.relate(
+            "IfcRelAssociatesMaterial", material, RelatedObjects=list(elements),
+            RelatingMaterial=self.add("IfcMaterial", Name=material),
+        )  # fmt: skip
+
     def _value(self, value: str | float) -> Entity:
+        if isinstance(value, bool):
+            return self.add("IfcBoolean", wrappedValue=value)
         if isinstance(value, str):
             return self.add("IfcLabel", wrappedValue=label(value))
         return self.add("IfcReal", wrappedValue=float(value))

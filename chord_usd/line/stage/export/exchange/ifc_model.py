@@ -33,6 +33,9 @@ _SLAB_M = 0.2
 _FRAME_M = 0.05
 """Width and depth of the frames of doors and windows."""
 
+_SEEN_M = 0.1
+"""A wall that has more of the house's outline is external."""
+
 _STAIRS = {str(form): word for form, word in IFC_FORMS.items()}
 
 
@@ -114,6 +117,12 @@ class _Storey:
             )  # fmt: skip
             values = {"Category": room.kind, "FloorArea": round(floor.area, 4)}
             b.describe(space, room.id, values)
+            common = {"Reference": room.kind, "IsExternal": room.kind == "balcony"}
+            b.describe(space, room.id, common, "Pset_SpaceCommon")
+            b.measure(space, room.id, {
+                "NetFloorArea": floor.area, "GrossPerimeter": floor.length,
+                "Height": ROOM_HEIGHT_M, "NetVolume": floor.area * ROOM_HEIGHT_M,
+            })  # fmt: skip
             self.spaces[room.id] = space
         b.relate(
             "IfcRelAggregates", "spaces", RelatingObject=self.storey,
@@ -122,12 +131,25 @@ class _Storey:
 
     def add_walls(self) -> None:
         """Straight walls, with what is cut through them."""
+        b, made = self.builder, []
+        walls = self.house.walls
+        whole = unary_union([walls.solid_m, *walls.floors_m]).buffer(1e-3, join_style="mitre")
+        outline = unary_union([part.exterior for part in polygons_of(whole.buffer(-2e-3))])
         for number, piece in enumerate(wall_pieces(self.house.walls)):
             wall = self._element(
                 "IfcWall", f"Wall_{number}", self._wall_bodies(piece), PredefinedType="SOLIDWALL"
             )
+            facade_m = shapely.intersection(piece.area_m, outline).length
+            common = {"IsExternal": facade_m > _SEEN_M, "LoadBearing": False}
+            b.describe(wall, f"Wall_{number}", common, "Pset_WallCommon")
+            b.measure(wall, f"Wall_{number}", {
+                "Height": ROOM_HEIGHT_M, "GrossFootprintArea": piece.area_m.area,
+                "GrossVolume": piece.area_m.area * ROOM_HEIGHT_M,
+            })  # fmt: skip
+            made.append(wall)
             for tunnel in piece.tunnels:
                 self._add_opening(wall, tunnel)
+        b.make_of(made, "Masonry")
         for number, (_, tunnel) in enumerate(self.house.walls.railings):
             self._add_railing(f"Railing_{number}", tunnel)
 
@@ -166,7 +188,12 @@ class _Storey:
             free = unary_union(parts).difference(unary_union(self.house.holes))
             parts = polygons_of(shapely.set_precision(free, 1e-4))
         bodies = [self.builder.extrusion(part, -thick_m, 0.0) for part in parts]
-        self._element("IfcSlab", "Floor", bodies, PredefinedType=kind)
+        slab = self._element("IfcSlab", "Floor", bodies, PredefinedType=kind)
+        area_m2 = sum(part.area for part in parts)
+        ground = self.house.elevation_m <= 0.0
+        self.builder.describe(slab, "Floor", {"IsExternal": ground}, "Pset_SlabCommon")
+        self.builder.measure(slab, "Floor", {"Width": thick_m, "GrossArea": area_m2})
+        self.builder.make_of([slab], "Concrete")
 
     def add_stairs(self) -> None:
         """Stairs up, each of its steps and what one holds on to, as meshes."""
@@ -233,6 +260,10 @@ class _Storey:
         )  # fmt: skip
         joined = ", ".join(opening.room_ids)
         b.describe(made, opening.id, {"Category": opening.kind, "Rooms": joined})
+        common = {"IsExternal": len(opening.room_ids) < 2}
+        b.describe(made, opening.id, common, f"Pset_{opening.kind.capitalize()}Common")
+        wide, high = made.OverallWidth, made.OverallHeight
+        b.measure(made, opening.id, {"Width": wide, "Height": high, "Area": wide * high})
         self._in_storey.append(made)
 
     def _door(self, tunnel: Tunnel, hole: Entity) -> Entity:
