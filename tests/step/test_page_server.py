@@ -195,7 +195,7 @@ def test_changes_by_hand_are_a_layer_over_the_house(page: TestClient, verbs: Sta
     assert page.get(address).json()["edits"]["pieces"] == {}
 
 
-def test_all_that_was_done_can_be_undone_in_one_step_each(page: TestClient) -> None:
+def test_all_that_was_done_can_be_undone_in_one_step_each(page: TestClient, tmp_path: Path) -> None:
     """A piece moved by hand, a room and a sentence: one history, that survives the page."""
     house = dropped(page)
     ask(page, house, "furnish")
@@ -223,6 +223,9 @@ def test_all_that_was_done_can_be_undone_in_one_step_each(page: TestClient) -> N
     assert go("to", to=1) == (plain, False)
     assert page.post(f"{first}/past", json={"way": "to", "to": 99}).status_code == 400
     assert page.post(f"{first}/past", json={"way": "back"}).status_code == 400
+    (index,) = tmp_path.rglob("changes.json")
+    index.write_text("{}")
+    assert "another version" in page.get(f"/api/houses/{house}").json()["past"]["error"]
 
 
 def test_a_piece_is_swapped_and_stays_so_in_later_versions(

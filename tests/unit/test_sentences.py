@@ -227,7 +227,11 @@ def test_a_new_piece_goes_to_the_one_room_of_its_kind(
     (intent,) = understand("add a coffee table", house, rooms).intents
     assert intent.room == rooms["LivingRoom_0"].id
     bare = {name: room for name, room in rooms.items() if name != "LivingRoom_0"}
-    for said, known in (("add a coffee table", bare), ("add a bed", rooms)):
+    for said, known in (
+        ("add a coffee table", bare),
+        ("add a bed", rooms),
+        ("add curtains", rooms),
+    ):
         with pytest.raises(ChordError, match="in which room"):
             understand(said, house, known)
 

@@ -243,19 +243,20 @@ class KeptHouses:
 
     def past(self, record: Record) -> Record:
         """What was done to the version that is shown: what undo and redo would do, in words, and
-        all changes that can be had again. Without any where another version wrote them."""
-        if not record["shown"]:
-            return {"undo": None, "redo": None, "number": 0, "changes": []}
+        all changes that can be had again; or why these cannot be read, as "error"."""
+        history, error = History(), ""
         try:
-            folder = self.version_folder(record["id"], record["shown"])
-            history = read_history(folder / "house" / STAGE)
-        except StageError:
-            history = History()
+            if record["shown"]:
+                folder = self.version_folder(record["id"], record["shown"])
+                history = read_history(folder / "house" / STAGE)
+        except StageError as reason:
+            error = str(reason)
         now, undone = history.now, history.undone
         return {
             "undo": now.told if now and history.before else None,
             "redo": undone.told if undone else None,
             "number": history.number,
+            "error": error,
             "changes": [{"number": one.number, "made": one.made, "told": one.told}
                         for one in history.changes],
         }  # fmt: skip

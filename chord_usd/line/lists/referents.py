@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from chord_usd.base.metrics.complete import table_of
 from chord_usd.base.scene.geometry import footprint_polygon
-from chord_usd.base.scene.palette import category
+from chord_usd.base.scene.palette import Level, category
 from chord_usd.base.scene.types import ROOM_KINDS, Item, Room, RoomKind, SceneGraph
 from chord_usd.line.lists.clauses import WHERE, Clause, Noun, not_understood
 from chord_usd.line.lists.edit_words import SEATED_AT, Token
@@ -57,8 +57,12 @@ class Referents:
         return ", ".join(f"{count} × {name}" for name, count in counts.items()) or "no furniture"
 
     def home_of(self, clause: Clause) -> str:
-        """Id of the room where new pieces usually go; "" where the house has none or several."""
-        kinds = {category(noun.thing.categories[0]).rooms for noun in clause.nouns}
+        """Id of the room where new furniture usually goes; "" where the house has none or several,
+        and for dressing, which any room may want."""
+        rows = [category(noun.thing.categories[0]) for noun in clause.nouns]
+        if any(row.level != Level.HOUSE for row in rows):
+            return ""
+        kinds = {row.rooms for row in rows}
         homes = {rooms[0] for rooms in kinds if set(rooms) < set(ROOM_KINDS)}
         found = [own for own, kind in self._kinds.items() if kind in homes and own in self._name_of]
         return found[0] if len(homes) == len(found) == 1 and len(kinds) == 1 else ""

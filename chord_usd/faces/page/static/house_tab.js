@@ -104,6 +104,7 @@ class HouseTab {
       ? `${one.told} (now)` : button(one.told, () => this.putBack("to", one.number), { title: one.made })));
     return [
       el("div", { class: "row" }, step("Undo", "undo"), step("Redo", "redo"), el("span", { class: "quiet" }, this.version.label)),
+      el("p", { class: "wrong", hidden: !past.error }, past.error),
       el("details", { hidden: !rows.length, id: "past" }, el("summary", {}, `History: ${rows.length}`), el("ol", { class: "list" }, ...rows)),
     ];
   }
