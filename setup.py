@@ -17,6 +17,7 @@ setup(
             "**/*.schema.json",
             "library/cloth/*.npz",
             "faces/page/static/*",
+            "line/image/web/*.js",
         ],
         **{name: ["**/*"] for name in SHIPPED},
     },

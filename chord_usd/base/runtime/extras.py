@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
 
 from chord_usd.base.errors import MissingExtraError
 
@@ -21,6 +23,7 @@ EXTRAS = {
     "mcp": "mcp",
     "mujoco": "sim",
     "nicegui": "web",
+    "playwright": "web",
     "pypdfium2": "pdf",
     "pyarrow": "parquet",
     "ray": "ray",
@@ -28,6 +31,10 @@ EXTRAS = {
     "uvicorn": "web",
 }
 """By the name that is imported."""
+
+
+_THREE = "elements/scene/dist/index.js"
+"""Where NiceGUI's wheel has its bundle of three.js."""
 
 
 def install_line(extra: str) -> str:
@@ -63,3 +70,15 @@ def missing_extra(error: ImportError, what: str, or_try: str = "") -> MissingExt
         f"{what} needs {package}, which is not installed",
         try_=f"{remedy}, or {or_try}" if or_try else remedy,
     )
+
+
+def three_module() -> Path:
+    """The file with three.js. Raises MissingExtraError."""
+    found = find_spec("nicegui")
+    places = found.submodule_search_locations if found else None
+    file = Path(places[0], _THREE) if places else None
+    if file is None or not file.is_file():
+        raise MissingExtraError(
+            "three.js comes with nicegui, which is not installed", try_=install_line("web")
+        )
+    return file

@@ -147,7 +147,11 @@ def _resolution_px(options: argparse.Namespace) -> tuple[int, int]:
 def add_how(parser: Parser) -> None:
     """The options that say where and how."""
     group = parser.add_argument_group("how")
-    group.add_argument("--engine", default="cycles", metavar="NAME", help="(cycles)")
+    group.add_argument(
+        "--engine", default="cycles", metavar="NAME",
+        help="cycles, or web: rooms drawn by three.js in Chromium, in seconds, for data sets "
+        "(cycles)",
+    )  # fmt: skip
     group.add_argument(
         "--device", default="auto", metavar="NAME",
         help="auto, cpu, gpu, or a backend such as cuda (auto: a GPU if there is one)",
@@ -270,6 +274,7 @@ def picture_options(options: argparse.Namespace) -> RenderOptions:
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
     from chord_usd.line.image.render import render_stage
+    from chord_usd.line.stage.export.gltf import write_drawn
 
     if options.require_version not in (None, __version__):
         raise UsageError(
@@ -283,7 +288,7 @@ def run(options: argparse.Namespace) -> Outcome:
     wanted = picture_options(options)
     watch = stopwatch(options)
     with watch.step("render") as progress:
-        rendered = render_stage(stage, options.output, wanted, progress)
+        rendered = render_stage(stage, options.output, wanted, progress, write_drawn)
     pictures = [str(path) for path in rendered.pictures]
     data: Rendered = {
         "pictures": pictures,

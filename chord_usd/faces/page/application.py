@@ -8,7 +8,6 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 
 import anyio
@@ -19,8 +18,8 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
-from chord_usd.base.errors import ChordError, DiskFullError, MissingExtraError
-from chord_usd.base.runtime.extras import install_line
+from chord_usd.base.errors import ChordError, DiskFullError
+from chord_usd.base.runtime.extras import three_module
 from chord_usd.base.runtime.warm_calls import WarmVerbs
 from chord_usd.base.scene.limits import PARTS
 from chord_usd.base.scene.settings import form_field, offered_by
@@ -47,8 +46,6 @@ _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript",
           ".svg": "image/svg+xml"}  # fmt: skip
 _PICTURE = re.compile(r"[0-9a-f]{12}/[\w.-]{1,80}\.png")
 _VIEW = re.compile(r"[0-9a-f]{16}\.glb")
-_THREE = "elements/scene/dist/index.js"
-"""In NiceGUI's wheel: three.js with its loader of GLB and its controls, as one module."""
 
 Answered = Callable[[Request], Awaitable[Response]]
 
@@ -395,19 +392,6 @@ class _Asked:
     source: Path
     """The file that its plan is written to."""
     answer: Response = field(default_factory=Response)
-
-
-def three_module() -> Path:
-    """The file with three.js. Raises MissingExtraError."""
-    found = find_spec("nicegui")
-    places = found.submodule_search_locations if found else None
-    file = Path(places[0], _THREE) if places else None
-    if file is None or not file.is_file():
-        raise MissingExtraError(
-            "the page needs nicegui, which brings three.js, and is not installed",
-            try_=install_line("web"),
-        )
-    return file
 
 
 def _static(name: str) -> Response:

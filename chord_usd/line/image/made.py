@@ -94,6 +94,7 @@ def settings_record(options: RenderOptions) -> dict[str, Any]:
         "exposure_ev": options.exposure_ev,
         "room_names": options.room_names,
         "parts": options.merge or options.part is not None,
+        "engine": options.engine,
         "version": __version__,
         "blender": blender_version(),
     }

@@ -30,6 +30,10 @@ def usual_px(quality: str) -> tuple[int, int]:
     return _DRAFT_PX if quality == "draft" else _PICTURE_PX
 
 
+CYCLES, WEB = ENGINES = ("cycles", "web")
+"""Light is traced by Blender, or drawn by three.js in a browser: a second or so a picture."""
+
+
 @dataclass(frozen=True)
 class RenderOptions:
     """How to take pictures of a stage."""
@@ -58,7 +62,8 @@ class RenderOptions:
     passes: tuple[str, ...] = ("rgb",)
     label_set: str = OWN
     """One of scene.label_sets: what `coco.json` calls things."""
-    engine: str = "cycles"
+    engine: str = CYCLES
+    """One of ENGINES."""
     device: str = "auto"
     """auto (a GPU if there is one), cpu, gpu or a backend such as cuda."""
     tile: tuple[int, int] | None = None
@@ -171,8 +176,16 @@ def _check_parts(options: RenderOptions) -> None:
 
 
 def _check_words(options: RenderOptions) -> None:
-    if options.engine != "cycles":
-        raise RenderError(f"unknown engine '{options.engine}'", where="--engine", expected="cycles")
+    if options.engine not in ENGINES:
+        raise RenderError(
+            f"unknown engine '{options.engine}'",
+            where="--engine",
+            expected=f"one of {', '.join(ENGINES)}",
+        )
+    if options.engine == WEB and (options.merge or options.part or "layers" in options.passes):
+        raise RenderError(
+            "a browser draws whole pictures, without layers", where="--engine web", try_="cycles"
+        )
     if options.device not in DEVICES:
         raise RenderError(
             f"unknown device '{options.device}'",

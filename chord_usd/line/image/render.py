@@ -6,11 +6,11 @@ usd-core, `worker` renders it, and what comes back becomes files here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +33,7 @@ from chord_usd.line.image.made import (
     stage_digest,
 )
 from chord_usd.line.image.marks import Marks, marked_stage, read_marks
-from chord_usd.line.image.options import RenderOptions
+from chord_usd.line.image.options import WEB, RenderOptions
 from chord_usd.line.image.picture_layers import lit_stage
 from chord_usd.line.image.products import are_finished, product_files, write_coco, write_products
 from chord_usd.line.image.render_parts import is_finished_part, merge_parts, part_file, write_part
@@ -47,6 +47,9 @@ from chord_usd.line.image.takes import Take, read_take
 
 if TYPE_CHECKING:
     from chord_usd.line.image.room_labels import RoomLabel
+
+WriteGlb = Callable[[Path, Path], None]
+"""Writes a stage to a .glb."""
 
 _NO_MARKS = Marks((), ())
 
@@ -72,11 +75,16 @@ class Rendered:
 
 
 def render_stage(
-    stage: Path, folder: Path, options: RenderOptions, progress: Progress | None = None
+    stage: Path,
+    folder: Path,
+    options: RenderOptions,
+    progress: Progress | None = None,
+    write_glb: WriteGlb | None = None,
 ) -> Rendered:
     """Render the stage's cameras into a folder, `<camera>.png` and the other passes beside it.
 
-    progress: called with the samples done and the samples of all pictures together. The files of
+    progress: called with the samples done and the samples of all pictures together. write_glb:
+    writes a stage as a .glb, which the engine "web" asks for. The files of
     a camera appear together or not at all; an interrupt ends Blender and leaves no part of one.
     Raises StageError for a stage that cannot be read, RenderError for files that it lacks, a camera
     or room that is not in it, a missing device and a failure inside Blender, OutputError for a
@@ -93,7 +101,7 @@ def render_stage(
             _merge(run, due)
         elif due:
             with folder_for_many(folder):
-                _render(run, due, progress)
+                _render(run, due, progress, write_glb)
     made = [file for camera in cameras for file in run.files(camera.name)]
     if "instance" in options.passes and options.part is None:
         names = [camera.name for camera in cameras]
@@ -200,14 +208,18 @@ def _opened(stage: Path, folder: Path, options: RenderOptions) -> Iterator[_Run]
         yield _Run(stage, lit, folder, read_views(lit), options, files)
 
 
-def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) -> None:
+def _render(
+    run: _Run, cameras: list[StageCamera], progress: Progress | None, write_glb: WriteGlb | None
+) -> None:
     options = run.options
     first_block = options.part is None or options.part.block[0] == 0
     data, colour = options.data and first_block, options.light
     marks = read_marks(run.lit) if data else _NO_MARKS
     with (
         scratch_folder() as raw,
-        marked_stage(run.lit, marks) if marks.numbers else nullcontext(run.lit) as seen,
+        marked_stage(run.lit, marks)
+        if marks.numbers and options.engine != WEB
+        else nullcontext(run.lit) as seen,
     ):
         job = Job(
             folder=str(raw),
@@ -228,7 +240,27 @@ def _render(run: _Run, cameras: list[StageCamera], progress: Progress | None) ->
             exposure_ev=options.exposure_ev,
             allow_missing=options.allow_missing,
         )
-        run_blender(job, _Follower(run, job, marks, progress))
+        if write_glb is not None and options.engine == WEB:
+            _draw(run, job, marks, progress, partial(write_glb, run.lit))
+        else:
+            run_blender(job, _Follower(run, job, marks, progress))
+
+
+def _draw(
+    run: _Run,
+    job: Job,
+    marks: Marks,
+    progress: Progress | None,
+    write_house: Callable[[Path], None],
+) -> None:
+    """Take the pictures in a browser."""
+    from chord_usd.line.image.web.web_takes import DEVICE, web_takes
+
+    run.device = DEVICE
+    for done, take in enumerate(web_takes(job, marks, write_house), start=1):
+        run.write(take, marks)
+        if progress is not None:
+            progress(done, len(job.cameras))
 
 
 class _Follower:
@@ -324,6 +356,8 @@ def _chosen(stage: Path, lit: Path, views: StageViews, options: RenderOptions) -
         if (not options.cameras or camera.name in options.cameras)
         and (not options.rooms or camera.room in options.rooms)
     ]
+    if options.engine == WEB:
+        chosen = _inside(chosen, options.cameras)
     if not chosen:
         raise RenderError(
             "no camera fits both --camera and --room" if options.cameras else "no camera there",
@@ -331,6 +365,21 @@ def _chosen(stage: Path, lit: Path, views: StageViews, options: RenderOptions) -
             expected=f"one of {', '.join(camera.name for camera in there)}",
         )
     return chosen
+
+
+def _inside(cameras: list[StageCamera], named: Sequence[str]) -> list[StageCamera]:
+    """Cameras whose house is whole: a browser cuts no walls. Raises RenderError for a named camera
+    that sees it cut open."""
+    cut = [camera for camera in cameras if camera.from_above or camera.cut_m or camera.is_alone]
+    for camera in cut:
+        if camera.name in named:
+            raise RenderError(
+                f"camera '{camera.name}' sees the house cut open",
+                where="--engine web",
+                expected="cameras in rooms",
+                try_=f"--engine cycles --camera {camera.name}",
+            )
+    return [camera for camera in cameras if camera not in cut and not camera.orthographic]
 
 
 def _check_names(stage: Path, what: str, wanted: Sequence[str], there: Sequence[str]) -> None:

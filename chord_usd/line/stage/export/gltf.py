@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
 from chord_usd.base.runtime.networks import usable_cores
-from chord_usd.base.runtime.stages import open_known, room_prims
+from chord_usd.base.runtime.stages import open_known, open_stage, room_prims
 from chord_usd.base.scene.types import FloatArray
 from chord_usd.line.stage.author.surfaces import bound_material
 from chord_usd.line.stage.export.gltf_file import Entry, GltfFile
@@ -30,6 +30,7 @@ _LABELS = "SemanticsLabelsAPI:"
 _DIGITS = 6
 
 
+PICTURE_TEXTURE_PX = 1024
 VIEW_TEXTURE_PX = 512
 """Of a house that a browser shows: its graphics memory holds pictures unpacked."""
 
@@ -40,6 +41,11 @@ def write_view(stage: Path, target: Path) -> None:
     house = open_known(stage)
     wear_roof(house)
     write_glb(house, target, VIEW_TEXTURE_PX, tangents=False)
+
+
+def write_drawn(stage: Path, target: Path) -> None:
+    """Write a stage as a .glb for pictures of its rooms. Raises StageError."""
+    write_glb(open_stage(stage), target, PICTURE_TEXTURE_PX, tangents=False)
 
 
 def write_glb(
