@@ -210,6 +210,19 @@ def test_a_table_is_laid_for_all_who_sleep_in_a_home() -> None:
                 for one in judged.findings if one.unit == "m" and one.need <= 0.75]  # fmt: skip
 
 
+@pytest.mark.parametrize(("day", "others"), [("dining", []), ("kitchen", ["living"])])
+def test_a_home_whose_dining_room_has_a_table_gets_no_other_elsewhere(
+    day: RoomKind, others: list[RoomKind]
+) -> None:
+    table = Box((2.0, 2.0, 0.0), (1.2, 0.8, 0.75), 0.0)
+    home = _home(("day", "dining_table", table), _BED, day=day)
+    living = Room("living", "living", frozen_array([(0, 9), (6, 9), (6, 15), (0, 15)]))
+    view = view_home(replace(home, rooms=(*home.rooms, living)))
+    seated = [view.rooms[at].shell.kind for at, _ in repairs(view, DINERS)]
+    assert seated[0] == day
+    assert [kind for kind in seated[1:] if kind == "living"] == others
+
+
 @pytest.mark.parametrize(("day", "mixed"), [("bedroom", "bedroom"), ("dining", None)])
 def test_only_a_home_without_a_room_to_live_in_has_a_table_among_beds(
     day: RoomKind, mixed: RoomKind | None

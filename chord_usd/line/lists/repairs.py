@@ -114,9 +114,12 @@ def _table(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
 
 
 def _diners(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
-    """Rooms that have a table first."""
-    for at in sorted(_eaten_in(home), key=lambda at: not home.rooms[at].of("dining_table")):
-        yield at, _tables(home, at, compose)
+    """Rooms that have a table first; no others where the table of a dining room is among these."""
+    laid = [at for at in _eaten_in(home) if home.rooms[at].of("dining_table")]
+    yield from ((at, _tables(home, at, compose)) for at in laid)
+    if not any(home.rooms[at].shell.kind == "dining" for at in laid):
+        others = (at for at in _eaten_in(home) if at not in laid)
+        yield from ((at, _tables(home, at, compose)) for at in others)
 
 
 def _eaten_in(home: HomeView) -> list[int]:
