@@ -11,6 +11,7 @@ import pytest
 from chord_usd.base.errors import ChordError
 from chord_usd.base.metrics.walk import walk
 from chord_usd.base.raster import canvas
+from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import (
     Box,
     Item,
@@ -316,6 +317,22 @@ def test_what_finds_no_place_is_an_error_that_names_it(sound_house: SceneGraph) 
     with pytest.raises(ChordError, match="Room_0: no place was found for: 2 × bathtub"):
         draw.refuse_lacking(found.graph)
     Draw().refuse_lacking(found.graph)
+
+
+def test_what_is_painted_of_a_kitchen_stands_in_no_room_of_unknown_kind(
+    furnished_house: SceneGraph,
+) -> None:
+    (kitchen,) = (room for room in furnished_house.rooms if room.kind == "kitchen")
+    (spare, *_) = (room for room in furnished_house.rooms if room.kind == "living")
+    rooms = tuple(replace(r, kind="unknown") if r == spare else r for r in furnished_house.rooms)
+    (hob, *_) = having("kitchen_unit")
+    units = tuple(
+        Item(f"{r.id}/u", hob, furnished_house.items[0].box, r.id) for r in (kitchen, spare)
+    )
+    house = replace(furnished_house, rooms=rooms, items=units)
+    assert [item.room_id for item in Draw().heeded(house).items] == [kitchen.id]
+    wishes = {spare.id: Asked(wanted=(Piece(hob),))}
+    assert len(Draw(asked=wishes).heeded(house).items) == 2
 
 
 def test_what_stands_in_a_wish_goes_before_the_wish(sound_house: SceneGraph) -> None:

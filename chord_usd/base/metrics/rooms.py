@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import shapely
 
 from chord_usd.base.metrics.footprints import GRID_M, footprints_of
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon
-from chord_usd.base.scene.palette import CATEGORIES
+from chord_usd.base.scene.palette import CATEGORIES, having
 from chord_usd.base.scene.tunnels import as_cut
 from chord_usd.base.scene.types import WET_KINDS, Item, Opening, Room, RoomKind, SceneGraph
 
@@ -81,6 +81,14 @@ def stands_in(category: str, kind: RoomKind, mixed: RoomKind | None = None) -> b
         return kind == "unknown"
     lives = "living" in row.rooms if kind == "bedroom" else "studio" in row.traits
     return kind in row.rooms or (kind == mixed and lives)
+
+
+def plumbing_elsewhere(kinds: Collection[RoomKind]) -> set[str]:
+    """Categories that rooms of these kinds, those of a home, are for, and none of unknown kind:
+    networks take a closet for a WC, and a bare room for a kitchen."""
+    units = having("kitchen_unit")
+    wet = having("fixture") - units if {*WET_KINDS}.intersection(kinds) else set()
+    return {*wet, *(units if "kitchen" in kinds else ())}
 
 
 def mixed_kind(kinds: Sequence[RoomKind]) -> RoomKind | None:

@@ -10,10 +10,10 @@ import numpy as np
 from chord_usd.base.metrics.clear_floor import ClearFloors, clearances
 from chord_usd.base.metrics.complete import ESSENTIALS, lacking
 from chord_usd.base.metrics.design import ROOM_RULES
-from chord_usd.base.metrics.rooms import mixed_kind, stands_in
+from chord_usd.base.metrics.rooms import mixed_kind, plumbing_elsewhere, stands_in
 from chord_usd.base.scene.geometry import room_polygon
 from chord_usd.base.scene.palette import having
-from chord_usd.base.scene.types import WET_KINDS, Item, Plan, Room, SceneGraph
+from chord_usd.base.scene.types import Item, Plan, Room, SceneGraph
 from chord_usd.line.lists.home_programme import (
     LAUNDRY_M2,
     Programme,
@@ -203,14 +203,10 @@ def _foreign(room: Room, around: Around) -> set[str]:
     """Categories that stand in no such room. A garage as large as a living room would be
     furnished as one, and networks know all wet rooms as bathrooms.
 
-    In a room of unknown kind is no plumbing that a room of its home is for: networks take a closet
-    for a WC. In a small bathroom a washing machine would take the place of the shower.
+    In a small bathroom a washing machine would take the place of the shower.
     """
-    kinds = {*around.kinds_of_home}
     if room.kind == "unknown":
-        units = having("kitchen_unit")
-        wet = having("fixture") - units if kinds.intersection(WET_KINDS) else set()
-        return {*wet, *(units if "kitchen" in kinds else ())}
+        return plumbing_elsewhere(around.kinds_of_home)
     mixed = mixed_kind(around.kinds_of_home)
     foreign = {name for name in PIECES.categories if not stands_in(name, room.kind, mixed)}
     is_small = room.kind == "bathroom" and room_polygon(room).area < LAUNDRY_M2

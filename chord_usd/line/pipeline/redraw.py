@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from chord_usd.base.errors import ChordError
+from chord_usd.base.metrics.rooms import plumbing_elsewhere
 from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import Item, Room, SceneGraph
 from chord_usd.line.pipeline.as_drawn import with_locked
@@ -194,7 +195,15 @@ class Draw:
         return put_back(graph, self._kitchens(graph, rooms, asked))
 
     def _without_excluded(self, graph: SceneGraph) -> SceneGraph:
-        shut_out = {room_id: own.excluded for room_id, own in self.asked.items()}
+        """Without what rooms shall not hold, and what the painter alone takes a bare room for."""
+        shut_out: dict[str, Collection[str]] = {
+            room_id: own.excluded for room_id, own in self.asked.items()
+        }
+        strange = plumbing_elsewhere([room.kind for room in graph.rooms])
+        for room in graph.rooms:
+            own = self.asked.get(room.id)
+            if room.kind == "unknown" and not (own and own.is_asked):
+                shut_out[room.id] = strange
         return graph.without(
             item.id
             for item in graph.items
