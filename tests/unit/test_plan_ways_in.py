@@ -46,6 +46,14 @@ def faint(label: int, chance: float) -> SeenReading:
     return read_seen(Segments(built.astype(np.float32), seen.kinds), M_PER_PX)
 
 
+def test_a_small_room_that_is_read_first_needs_a_way_in() -> None:
+    """A bathroom above the only other room had none."""
+    seen = faint(DOOR, 0.3).segments
+    built, kinds = (np.ascontiguousarray(planes[:, ::-1]) for planes in (seen.built, seen.kinds))
+    turned = with_ways_in(read_seen(Segments(built, kinds), M_PER_PX), M_PER_PX)
+    assert [o.is_guess for o in turned.openings if len(o.rooms) == 2] == [True]
+
+
 @pytest.mark.parametrize("label", [DOOR, PASSAGE])
 def test_a_room_without_a_way_in_gets_the_likeliest_door(label: int) -> None:
     """It was furnished, and nobody could enter it."""

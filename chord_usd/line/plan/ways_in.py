@@ -73,9 +73,10 @@ def with_ways_in(
                if o.kind == "door" and len(o.rooms) == 1}  # fmt: skip
     # Nobody enters niches and shafts.
     floors = [Polygon(polygon).area * m_per_px**2 for polygon in reading.polygons_px]
-    entered |= {number for number, group in enumerate(groups)
-                if sum(floors[room] for room in group) < _LEAST_M2}  # fmt: skip
-    main = max(range(len(groups)), key=lambda one: len(groups[one]))
+    sizes = [sum(floors[room] for room in group) for group in groups]
+    entered |= {number for number, size in enumerate(sizes) if size < _LEAST_M2}
+    # Of parts of as many rooms, the largest is where people come from.
+    main = max(range(len(groups)), key=lambda one: (len(groups[one]), sizes[one]))
     openings, outlines = list(reading.openings), list(reading.outlines)
     joined: list[tuple[int, int]] = []
     for way in sorted(_ways(reading, m_per_px, drawn_px), key=lambda each: -each.sign):
