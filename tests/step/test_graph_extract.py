@@ -8,6 +8,7 @@ from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
@@ -28,6 +29,7 @@ from chord_usd.base.scene.types import (
     SceneGraph,
 )
 from chord_usd.base.scene.units import px_from_m, wrap_deg
+from chord_usd.line.graph.detect import RoomProposal
 from chord_usd.line.graph.extract import extract_graph
 from chord_usd.line.graph.match import match_assets
 from chord_usd.line.graph.snap import decode_items
@@ -256,6 +258,23 @@ def matches(truth: tuple[Item, ...], found: tuple[Item, ...]) -> int:
             rows, columns = linear_sum_assignment(-overlap)
             count += int((overlap[rows, columns] > 0.3).sum())
     return count
+
+
+def test_a_room_of_unknown_kind_is_no_second_kitchen() -> None:
+    """The painter put units into a bare room, and the room was called a kitchen."""
+    graph = next(one for one in map(house, range(9)) if any(r.kind == "kitchen" for r in one.rooms))
+    layout = layout_of(graph)
+    (cooked,) = (room for room in graph.rooms if room.kind == "kitchen")
+    mask = np.zeros(layout.rgb.shape[:2], np.uint8)
+    cv2.fillPoly(mask, [px_from_m(cooked.polygon_m, layout.frame).astype(np.int32)], (1,))
+    cook = Blind()
+    cook.segment = lambda _: [RoomProposal("kitchen", 1.0, mask > 0)]  # type: ignore[method-assign]
+    first = next(room for room in graph.rooms if room.kind == "bedroom")
+    for elsewhere, kind in (("bedroom", "kitchen"), ("kitchen", "unknown")):
+        kinds = {cooked.id: "unknown", first.id: elsewhere}
+        rooms = tuple(replace(r, kind=kinds.get(r.id, r.kind)) for r in graph.rooms)
+        found = extract_graph(layout, replace(graph.plan, rooms=rooms), BLIND, cook)
+        assert found.plan.room(cooked.id).kind == kind
 
 
 def test_an_unfurnished_layout_has_no_items() -> None:

@@ -90,6 +90,21 @@ def test_rooms_without_a_wall_between_them_are_one() -> None:
     assert seen(labels)[0] == 1
 
 
+@pytest.mark.parametrize(("seen_from", "rooms"), [(170, 2), (60, 1)])
+def test_outside_that_leaks_into_a_room_is_its_floor(seen_from: int, rooms: int) -> None:
+    """A rug looked like a terrace: the bedroom lost its middle. A yard stays one."""
+    labels = two_rooms()
+    labels[60:260, seen_from:250] = OUTSIDE
+    labels[50:60, 180:230] = OUTSIDE
+    segments = segments_of(labels)
+    found = room_outlines(find_regions(segments), segments, 0.02)
+    assert len(found) == rooms
+    if rooms == 2:
+        whole = Polygon([(60, 60), (250, 60), (250, 260), (60, 260)])
+        left = min((Polygon(room.polygon_px) for room in found), key=lambda one: one.centroid.x)
+        assert left.intersection(whole).area > 0.95 * left.union(whole).area
+
+
 def test_a_torn_rim_has_no_more_corners_than_a_room() -> None:
     """Hair lines and what is drawn at them tear the rim of a room in the eyes of the network."""
     rng, labels = np.random.default_rng(3), two_rooms()

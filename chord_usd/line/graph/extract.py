@@ -65,7 +65,8 @@ def extract_graph(
     """The scene graph of a layout raster: pieces stand where they are painted, without meshes.
 
     plan: its rooms and openings are taken as they are; without it they are read from the raster.
-    Rooms of unknown kind are named by the segmenter, if something of that kind stands there.
+    Rooms of unknown kind are named by the segmenter, if something of that kind stands there; a home
+    that has a kitchen gets no second one so.
     detector, segmenter: the shipped networks by default, loaded when needed. pixels: of the layout,
     where they were read before. Raises CheckpointError when they cannot be, SceneError when there
     is no room.
@@ -89,7 +90,9 @@ def extract_graph(
         found = find_foreign_items(pixels, layout.rgb, m_per_px, directions, proposals)
     items = place_items(found, plan.rooms, layout.frame)
     graph = replace(plan.scene(), items=items, provenance=layout.provenance)
-    bare = nameless.intersection(empty_rooms(graph))
+    kinds = {room.kind for room in graph.rooms if room.id not in nameless}
+    again = [room.id for room in graph.rooms if room.kind == "kitchen" in kinds]
+    bare = nameless.intersection((*empty_rooms(graph), *again))
     rooms = (replace(room, kind="unknown") if room.id in bare else room for room in graph.rooms)
     return replace(graph, rooms=tuple(rooms)) if bare else graph
 

@@ -33,6 +33,10 @@ _NECK = 1.5
 """Floor narrower than so many thicknesses of a wall is a hole in what was seen of one: whatever
 people walk through has jambs, and is seen as an opening."""
 
+_LEAK, _MOSTLY, _TO_CORNER = 7.0, 0.5, 0.75
+"""Walls of rooms that are seen as floor in so large a share have gaps of so many thicknesses at
+most: a door's width. So much of a gap lies between what is wider and a corner."""
+
 _NOISE = 0.35
 """By how many thicknesses the rim of a wall strays, beside half a pixel..."""
 _GRAINS = 2.5
@@ -108,6 +112,7 @@ def find_regions(segments: Segments) -> Regions:
     solid = np.isin(seen, SOLID)
     thickness_px = usual_thickness_px(solid)
     floor = np.isin(seen, (FLOOR, STAIRS)) | _enclosed(seen == OUTSIDE)
+    floor |= _leaked(solid, floor, _LEAK * thickness_px)
     clear = floor & (segments.barrier < _CLEAR)
     return Regions(_parted(floor, clear, _NECK * thickness_px), solid, thickness_px)
 
@@ -117,6 +122,30 @@ def _enclosed(outside: BoolArray) -> BoolArray:
     anything on them look like paper."""
     _, labels = cv2.connectedComponents(np.pad(outside, 1, constant_values=True).astype(np.uint8))
     return outside & (labels != labels[0, 0])[1:-1, 1:-1]
+
+
+def _leaked(solid: BoolArray, floor: BoolArray, gap_px: float) -> BoolArray:
+    """(H, W) what is seen as outside in rooms that are mostly floor, since walls seem to have gaps.
+
+    solid: what parts rooms. gap_px: through what is narrower nothing gets in.
+    """
+    free = np.pad(~solid, 1, constant_values=True).astype(np.uint8)
+    wide = (cv2.distanceTransform(free, cv2.DIST_L2, 5) > gap_px / 2).astype(np.uint8)
+    wide[[0, -1]] = wide[:, [0, -1]] = 1
+    _, cores = cv2.connectedComponents(wide, connectivity=8)
+    beyond = cores[0, 0]
+    cores = cores[1:-1, 1:-1]
+    sizes = np.bincount(cores.ravel())
+    shares = np.bincount(cores[floor], minlength=len(sizes)) / np.maximum(sizes, 1)
+    rooms = np.flatnonzero((shares >= _MOSTLY) & (shares < 1.0))
+    inside = np.isin(cores, rooms[(rooms > 0) & (rooms != beyond)])
+    if not inside.any():
+        return inside
+    to_room, to_page = (
+        cv2.distanceTransform((~near).astype(np.uint8), cv2.DIST_L2, 5)
+        for near in (inside, cores == beyond)
+    )
+    return ~solid & ~floor & (to_room <= _TO_CORNER * gap_px) & (to_room < to_page)
 
 
 def _parted(floor: BoolArray, clear: BoolArray, neck_px: float) -> Labels:
