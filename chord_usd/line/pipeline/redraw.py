@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from chord_usd.base.errors import ChordError
-from chord_usd.base.metrics.rooms import plumbing_elsewhere
 from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import Item, Room, SceneGraph
 from chord_usd.line.pipeline.as_drawn import with_locked
@@ -196,6 +195,8 @@ class Draw:
 
     def _without_excluded(self, graph: SceneGraph) -> SceneGraph:
         """Without what rooms shall not hold, and what the painter alone takes a bare room for."""
+        from chord_usd.base.metrics.rooms import plumbing_elsewhere
+
         shut_out: dict[str, Collection[str]] = {
             room_id: own.excluded for room_id, own in self.asked.items()
         }
