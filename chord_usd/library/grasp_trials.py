@@ -14,6 +14,7 @@ import trimesh
 from pxr import Usd, UsdGeom
 
 from chord_usd.base.runtime.extras import needed_for
+from chord_usd.base.runtime.stages import open_stage
 from chord_usd.base.scene.palette import usual_mass_kg
 from chord_usd.base.scene.types import Asset, FloatArray
 from chord_usd.library.grasps import OPEN_M, PAD_M, PALM_M, TIP_M, Grasp, candidates
@@ -100,7 +101,7 @@ def _spread(grasps: Iterator[Grasp]) -> Iterator[Grasp]:
 
 def seen_mesh(interface: Path) -> trimesh.Trimesh:
     """All that is seen of an asset, in its frame, triangles with outward normals."""
-    stage = Usd.Stage.Open(str(interface))
+    stage = open_stage(interface)
     frames = UsdGeom.XformCache()
     found = []
     for prim in Usd.PrimRange(stage.GetDefaultPrim(), Usd.TraverseInstanceProxies()):
