@@ -210,17 +210,20 @@ def test_a_table_is_laid_for_all_who_sleep_in_a_home() -> None:
                 for one in judged.findings if one.unit == "m" and one.need <= 0.75]  # fmt: skip
 
 
-@pytest.mark.parametrize(("day", "others"), [("dining", []), ("kitchen", ["living"])])
-def test_a_home_whose_dining_room_has_a_table_gets_no_other_elsewhere(
-    day: RoomKind, others: list[RoomKind]
+@pytest.mark.parametrize(("seats", "others"), [(4, []), (2, ["living"])])
+def test_a_home_whose_dining_room_seats_a_family_gets_no_table_elsewhere(
+    seats: int, others: list[RoomKind]
 ) -> None:
-    table = Box((2.0, 2.0, 0.0), (1.2, 0.8, 0.75), 0.0)
-    home = _home(("day", "dining_table", table), _BED, day=day)
+    table = Box((2.0, 2.0, 0.0), (1.4, 0.8, 0.75), 0.0)
+    places = [(x, y, yaw) for y, yaw in ((1.4, 180.0), (2.6, 0.0)) for x in (1.7, 2.3)]
+    chairs = [("day", "chair", Box((x, y, 0.0), (0.45, 0.5, 0.9), yaw))
+              for x, y, yaw in places[:seats]]  # fmt: skip
+    home = _home(("day", "dining_table", table), *chairs, _BED, day="dining")
     living = Room("living", "living", frozen_array([(0, 9), (6, 9), (6, 15), (0, 15)]))
     view = view_home(replace(home, rooms=(*home.rooms, living)))
+    assert seats_at(view.rooms[0]) == seats
     seated = [view.rooms[at].shell.kind for at, _ in repairs(view, DINERS)]
-    assert seated[0] == day
-    assert [kind for kind in seated[1:] if kind == "living"] == others
+    assert [kind for kind in seated if kind == "living"] == others
 
 
 @pytest.mark.parametrize(("day", "mixed"), [("bedroom", "bedroom"), ("dining", None)])

@@ -49,6 +49,8 @@ _SHOES_M = ((0.8, 0.3, 1.1), (0.7, 0.3, 1.1), (0.6, 0.25, 1.1))
 _TVS_M = ((1.2, 0.35, 0.45), (1.0, 0.3, 0.45))
 _EASY_M = (0.8, 0.8, 0.85)
 NEAR_DOOR_M = 2.9
+_FAMILY = 4
+"""Seats of a dining room from which on a second table elsewhere is not worth its floor."""
 _STORED_IN: tuple[RoomKind, ...] = ("bedroom", "corridor", "store", "study", "living")
 
 
@@ -114,10 +116,11 @@ def _table(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
 
 
 def _diners(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
-    """Rooms that have a table first; no others where the table of a dining room is among these."""
+    """Rooms that have a table first; no others where a dining room seats a family."""
     laid = [at for at in _eaten_in(home) if home.rooms[at].of("dining_table")]
     yield from ((at, _tables(home, at, compose)) for at in laid)
-    if not any(home.rooms[at].shell.kind == "dining" for at in laid):
+    dining = (home.rooms[at] for at in laid if home.rooms[at].shell.kind == "dining")
+    if all(seats_at(room) < _FAMILY for room in dining):
         others = (at for at in _eaten_in(home) if at not in laid)
         yield from ((at, _tables(home, at, compose)) for at in others)
 
