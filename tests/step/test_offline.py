@@ -44,6 +44,9 @@ QUICK: dict[str, str] = {
     "describe": "{house}",
     "export": "{house} --for gltf -o {out}/house.glb",
     "diff": "{house} {house}",
+    "history": "{changed}",
+    "undo": "{changed}",
+    "redo": "{undone}",
     "edit": "{house} unlock_the_bed_in_bedroom_1 -o {out}/edited.usda",
     "mcp": "--root {out}",
     "serve": "--root {out}/houses --port 0",
@@ -62,6 +65,7 @@ QUICK: dict[str, str] = {
     "assets show": "Lamp_Shade --sheet {out}/sheet.png",
     "assets add": "{models} -o {out}/own",
     "assets export": "Book_Lying --for simready -o {out}/props",
+    "assets grasps": "Book_Lying",
     "looks list": "",
     "looks show": "planks --picture {out}/planks.png",
     "looks sheet": "plaster -o {out}/sheet.png",
@@ -93,6 +97,9 @@ SLOW: dict[str, str] = {
     "assets build": "-o {out}/assets",
 }
 """They import nothing that the others do not, and take minutes."""
+
+EXTRAS = ("train", "mcp", "serve", "assets grasps")
+"""Verbs that train, talk to agents and browsers, or simulate."""
 
 OF_EACH_COMMIT = ("layout", "plan read", "export", "mcp", "serve")
 """A verb of each kind: networks, OCR, files of others, servers."""
@@ -162,6 +169,16 @@ def inputs(
         cv2.imwrite(str(base / "open.png"), drawn)
         return base / "open.png"
 
+    def changed(name: str) -> Path:
+        house = by_verb("stage", made("scene"), "-o", base / name / "house.usda")
+        by_verb("edit", house, "lock the bed in bedroom 1", "-o", house)
+        return house
+
+    def undone() -> Path:
+        house = changed("undone")
+        assert run_cli("undo", house).returncode == 0
+        return house
+
     def models() -> Path:
         (base / "models").mkdir()
         trimesh.creation.box((0.5, 0.9, 0.5)).export(base / "models" / "chair.obj")
@@ -176,6 +193,8 @@ def inputs(
         "job": lambda: by_verb("farm", "bundle", made("house"), "-o", base / "job"),
         "layout": lambda: by_verb("layout", made("plan"), "-o", base / "layout.png", "--steps", 1),
         "houses": lambda: by_verb("dataset", "synth", "-o", base / "houses", "--count", 2),
+        "changed": lambda: changed("changed"),
+        "undone": undone,
         "models": models,
         "open_plan": open_plan,
     }
@@ -244,8 +263,8 @@ def test_nothing_leaves(
         pytest.importorskip("mcp", reason="the extra mcp is not installed")
     if verb == "serve" and not find_spec("nicegui"):
         pytest.skip("the extra web is not installed")
-    # All but training and talking to agents and browsers runs without extras, too.
-    core = {} if verb.startswith(("train", "mcp", "serve")) else core_environment()
+    # All others run without extras, too.
+    core = {} if verb.startswith(EXTRAS) else core_environment()
     # A server ends when it is told to.
     until = ["timeout", "--preserve-status", str(WAIT_S)] if verb == "serve" else []
     command = [*until, *CLI, *verb.split(), *words]

@@ -242,6 +242,7 @@ def test_furniture_stands_in_a_building_where_it_stood(building: Any, staged_hou
             value.Name: value.NominalValue.wrappedValue
             for relation in element.IsDefinedBy
             if relation.is_a("IfcRelDefinesByProperties")
+            and relation.RelatingPropertyDefinition.is_a("IfcPropertySet")
             for value in relation.RelatingPropertyDefinition.HasProperties
         }
         if "Prim" not in told:
