@@ -222,8 +222,14 @@ def test_a_home_whose_dining_room_seats_a_family_gets_no_table_elsewhere(
     living = Room("living", "living", frozen_array([(0, 9), (6, 9), (6, 15), (0, 15)]))
     view = view_home(replace(home, rooms=(*home.rooms, living)))
     assert seats_at(view.rooms[0]) == seats
-    seated = [view.rooms[at].shell.kind for at, _ in repairs(view, DINERS)]
+    seated = {view.rooms[at].shell.kind: proposals for at, proposals in repairs(view, DINERS)}
     assert [kind for kind in seated if kind == "living"] == others
+    for propose in seated.get("living", ()):
+        for change in propose(view.rooms[-1]):
+            laid = judged_room(View(view.rooms[-1].shell, change, view.rooms[-1].hung))
+            findings = [each for judged in laid for each in judged.findings
+                        if judged.kind == "dining table"]  # fmt: skip
+            assert not [each for each in findings if each.unit == "m"], "a second one is roomy"
 
 
 @pytest.mark.parametrize(("day", "mixed"), [("bedroom", "bedroom"), ("dining", None)])

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from chord_usd.base.metrics.complete import HOME
-from chord_usd.base.metrics.design import judged_home
+from chord_usd.base.metrics.design import judged_home, judged_room
 from chord_usd.base.metrics.design.bedroom_rules import wardrobes
 from chord_usd.base.metrics.design.home_rules import (
     DINERS,
@@ -121,8 +121,23 @@ def _diners(home: HomeView, compose: Compose | None) -> Iterator[Repair]:
     yield from ((at, _tables(home, at, compose)) for at in laid)
     dining = (home.rooms[at] for at in laid if home.rooms[at].shell.kind == "dining")
     if all(seats_at(room) < _FAMILY for room in dining):
-        others = (at for at in _eaten_in(home) if at not in laid)
-        yield from ((at, _tables(home, at, compose)) for at in others)
+        for at in _eaten_in(home):
+            if at not in laid:
+                tables = _tables(home, at, compose)
+                yield at, map(_roomy, tables) if laid else tables
+
+
+def _roomy(propose: Propose) -> Propose:
+    """Those of some changes after which all chairs can be pulled out and passed."""
+
+    def changes(view: View) -> Iterator[Change]:
+        for change in propose(view):
+            judged = judged_room(View(view.shell, change, view.hung))
+            tables = [one.findings for one in judged if one.kind == "dining table"]
+            if not any(finding.unit == "m" for findings in tables for finding in findings):
+                yield change
+
+    return changes
 
 
 def _eaten_in(home: HomeView) -> list[int]:
