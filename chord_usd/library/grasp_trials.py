@@ -31,7 +31,7 @@ _CLOSE_S, _LIFT_S, _STEP_S = 0.5, 1.0, 0.002
 _SLIP_M = 0.02
 """What was between the pads is no farther from them: a thing may swing between them."""
 _HOLLOW = 0.6
-"""A solid that fills less of its hull is felt as pieces of its wall."""
+"""A solid that fills less of its hull collides as pieces of its wall."""
 
 _SECTORS, _BANDS = 12, 4
 

@@ -96,3 +96,5 @@ def test_a_browser_refuses_a_camera_that_sees_the_house_cut_open(
     asked = RenderOptions(cameras=("Isometric",), engine=WEB)
     with pytest.raises(RenderError, match="cut open"):
         render_stage(stage, tmp_path / "pictures", asked, write_glb=write_drawn)
+    with pytest.raises(RenderError, match="write_glb"):
+        render_stage(stage, tmp_path / "pictures", replace(asked, cameras=("Bedroom_0",)))

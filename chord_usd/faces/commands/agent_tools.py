@@ -42,7 +42,7 @@ INSTRUCTIONS = """\
 Furnish floor plans and edit furnished houses (OpenUSD). All paths are below one folder and relative
 to it. list_files says what is there. A plan becomes a house with furnish; look shows a house and
 names its rooms and pieces, which other tools take; edit changes a house as a sentence says,
-refurnish_room furnishes one room anew; undo takes back whatever changed it, redo does it again, and
+refurnish_room furnishes one room again; undo takes back the latest change, redo repeats it, and
 history lists all that was done; check says whether the certificate holds. Files are never replaced:
 give new names."""
 

@@ -132,7 +132,7 @@ class HouseJobs:
         return {"version": number, **answer.data}
 
     async def _refurnish(self, job: Job) -> dict[str, Any]:
-        """One room of a version anew; changes by hand of other rooms stay."""
+        """One room of a version again; changes by hand of other rooms stay."""
         given = job.given
         words = [*_option("room", given["room"]), *_option("with", given.get("with"))]
         words += _option("without", given.get("without"))

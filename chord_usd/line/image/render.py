@@ -240,7 +240,9 @@ def _render(
             exposure_ev=options.exposure_ev,
             allow_missing=options.allow_missing,
         )
-        if write_glb is not None and options.engine == WEB:
+        if options.engine == WEB:
+            if write_glb is None:
+                raise RenderError("the engine web needs write_glb", try_="--engine cycles")
             _draw(run, job, marks, progress, partial(write_glb, run.lit))
         else:
             run_blender(job, _Follower(run, job, marks, progress))

@@ -194,7 +194,7 @@ class Draw:
         return put_back(graph, self._kitchens(graph, rooms, asked))
 
     def _without_excluded(self, graph: SceneGraph) -> SceneGraph:
-        """Without what rooms shall not hold, and what the painter alone takes a bare room for."""
+        """Without excluded pieces, and the plumbing that the painter alone sees in a bare room."""
         from chord_usd.base.metrics.rooms import plumbing_elsewhere
 
         shut_out: dict[str, Collection[str]] = {

@@ -158,7 +158,7 @@ class _Templates:
         return self._assets[thing.model]
 
     def _felt(self, prim: Usd.Prim) -> trimesh.Scene | None:
-        """Convex parts that are felt, in the frame of the prim, Y up; None for what has none."""
+        """Convex parts that collide, in the frame of the prim, Y up; None for what has none."""
         scene = trimesh.Scene()
         for part in Usd.PrimRange(prim, _PROXIES):
             if part.HasAPI(UsdPhysics.CollisionAPI):
