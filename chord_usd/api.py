@@ -170,9 +170,9 @@ class House:
         )  # fmt: skip
         with (
             tempfile.TemporaryDirectory(prefix="chord-usd-") as folder,
-            _watch(progress).step("render") as told,
+            _watch(progress).step("render") as report,
         ):
-            rendered = render_stage(self.path, Path(folder), options, told)
+            rendered = render_stage(self.path, Path(folder), options, report)
             _warn(rendered.warnings)
             with Image.open(rendered.pictures[0]) as picture:
                 return picture.convert("RGB")
@@ -193,10 +193,10 @@ class House:
         device: str = "auto",
         progress: ProgressStyle = "none",
     ) -> House:
-        """Furnish one room anew, in its place on the stage; nothing else changes. Returns itself.
+        """Furnish one room again, in its place on the stage; nothing else changes. Returns itself.
 
         room: its id, or as people call it. seed: 0 to 2**31 - 1; None takes the one after the
-        room's last. wish, without: pieces that the room shall and shall not hold, "desk, two
+        room's last. wish, without: pieces that the room must and must not hold, "desk, two
         chairs". keep: ids of pieces that stay. style: "" for that of the house. steps: of the
         sampler, 1 to 1000; None takes the checkpoint's own. asset_folders: of further meshes.
         device: auto, cpu or cuda. Raises ChordError, and the stage is as it was.
@@ -259,7 +259,7 @@ class House:
 
         stated = set_states(self.path, self.path, states)
         self._written = _state(self.path)
-        return tuple(dict.fromkeys(path for one in stated for path in one.paths))
+        return tuple(dict.fromkeys(path for state in stated for path in state.paths))
 
     @property
     def history(self) -> tuple[house_history.Change, ...]:
@@ -382,16 +382,16 @@ def generate(
     given["asset_folders"] = _folders(given.get("asset_folders", ()))
     settings = Settings(**given)
     pipeline.require(settings)
-    plans = [Path(plan)] if isinstance(plan, str | PathLike) else [Path(one) for one in plan]
+    plans = [Path(plan)] if isinstance(plan, str | PathLike) else [Path(file) for file in plan]
     if not plans:
         raise ChordError("no plan was given", where="plan", expected="a file, or several")
-    for one in plans:
-        refuse_odd_file(one)
+    for file in plans:
+        refuse_odd_file(file)
     folder = _Folder() if output is None else None
     house = House(folder.path / "house.usda" if folder else output or "", folder)
-    named = [Named("plan", one, Path) for one in plans]
+    named = [Named("plan", file, Path) for file in plans]
     check_named([*named, Named("output", house.path, output_file)])
-    deed = house_history.Deed("generate", ", ".join(one.name for one in plans))
+    deed = house_history.Deed("generate", ", ".join(file.name for file in plans))
     with house_history.recorded(house.path, deed), deliver() as delivery:
         target = delivery.place(house.path)
         _warn(pipeline.generate(plans, target, settings, _watch(progress)).warnings)
@@ -450,8 +450,8 @@ def _watch(progress: ProgressStyle) -> Stopwatch:
     return Stopwatch(make_reporter(progress))
 
 
-def _warn(told: Iterable[str]) -> None:
-    for warning in told:
+def _warn(lines: Iterable[str]) -> None:
+    for warning in lines:
         warnings.warn(warning, stacklevel=3)
 
 

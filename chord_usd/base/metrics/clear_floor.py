@@ -190,7 +190,7 @@ def _passage_along(line: shapely.LineString, ids: tuple[str, str]) -> Opening:
 @lru_cache(maxsize=256)  # drafts of a house ask for the same rooms again and again
 def solid_sides(room: Room, gaps: tuple[Opening, ...]) -> FloatArray:
     """(W, 2, 2) the sides of a room without the spans of passages and open borders, metres."""
-    found = []
+    spans = []
     for start, end in room_sides(room):
         length = float(np.hypot(*(end - start)))
         if length < 1e-6:
@@ -210,8 +210,8 @@ def solid_sides(room: Room, gaps: tuple[Opening, ...]) -> FloatArray:
                     for low, high in ((a, min(b, s - half)), (max(a, s + half), b))
                     if high - low > 1e-3
                 ]
-        found += [(start + along * a, start + along * b) for a, b in left]
-    return np.array(found).reshape(-1, 2, 2)
+        spans += [(start + along * a, start + along * b) for a, b in left]
+    return np.array(spans).reshape(-1, 2, 2)
 
 
 def clearances(rooms: Sequence[Room], openings: Sequence[Opening]) -> Iterator[ClearFloor]:
@@ -269,15 +269,15 @@ def blocked_openings(graph: SceneGraph) -> list[Blocked]:
         return []
     prints = footprints_of(things)
     tree = shapely.STRtree(prints.polygons)
-    found: dict[Blocked, None] = {}
+    blocked: dict[Blocked, None] = {}
     for opening, clearance in _clearances(graph.rooms, graph.openings):
         for index in sorted(tree.query(clearance, predicate="intersects")):
             item = things[index]
             shared_m2 = prints.polygons[index].intersection(clearance, grid_size=GRID_M).area
             if shared_m2 > MIN_OVERLAP_M2 and is_high_enough(item, opening):
-                found[Blocked(opening=opening.id, item=item.id)] = None
-    found.update(dict.fromkeys(shut_borders(graph)))
-    return list(found)
+                blocked[Blocked(opening=opening.id, item=item.id)] = None
+    blocked.update(dict.fromkeys(shut_borders(graph)))
+    return list(blocked)
 
 
 def border_sides(graph: SceneGraph) -> list[list[Opening]]:

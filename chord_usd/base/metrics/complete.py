@@ -50,22 +50,25 @@ Side = FloatArray | tuple[FloatArray, FloatArray]
 """Start and end of a side of a room, (2,) metres each."""
 
 
-def _one(name: str, *categories: str) -> Essential:
+def _single(name: str, *categories: str) -> Essential:
     return Essential(name, frozenset(categories or (name,)))
 
 
 ESSENTIALS: dict[RoomKind, tuple[Essential, ...]] = {
-    "bedroom": (_one("bed"),),
-    "living": (_one("seat", *SEATS), _one("coffee table or television", *FACED)),
-    "dining": (_one("dining table", "dining_table"),),
-    "kitchen": (_one("sink", "sink_cabinet"), _one("cooker", "cooker_cabinet")),
+    "bedroom": (_single("bed"),),
+    "living": (_single("seat", *SEATS), _single("coffee table or television", *FACED)),
+    "dining": (_single("dining table", "dining_table"),),
+    "kitchen": (_single("sink", "sink_cabinet"), _single("cooker", "cooker_cabinet")),
     "bathroom": (
-        _one("toilet"),
-        _one("washbasin", *having("basin")),
-        _one("shower or bathtub", *having("bathing")),
+        _single("toilet"),
+        _single("washbasin", *having("basin")),
+        _single("shower or bathtub", *having("bathing")),
     ),
-    "washroom": (_one("washing machine", *having("laundry")), _one("washbasin", *having("basin"))),
-    "wc": (_one("toilet"), _one("washbasin", *having("basin"))),
+    "washroom": (
+        _single("washing machine", *having("laundry")),
+        _single("washbasin", *having("basin")),
+    ),
+    "wc": (_single("toilet"), _single("washbasin", *having("basin"))),
 }
 """By kind of room, the most needed first. A dining table also takes DINERS chairs."""
 
@@ -175,20 +178,20 @@ def lacking(kind: RoomKind, area_m2: float, categories: Iterable[str]) -> tuple[
     """Names of the essentials that a room of this kind and area with these pieces lacks."""
     standing = frozenset(categories)
     essentials = ESSENTIALS.get(kind, ())
-    absent = [one.name for one in essentials if not standing & one.categories]
+    absent = [essential.name for essential in essentials if not standing & essential.categories]
     most = (count for below, count in FEWER_BELOW_M2.get(kind, ()) if area_m2 < below)
     needed = next(most, len(essentials))
     return tuple(absent[: max(0, needed - (len(essentials) - len(absent)))])
 
 
 def _missing(room: Room, house: _House) -> tuple[str, ...]:
-    own = [
+    items = [
         item.category for item in house.items if item.room_id == room.id and not is_undersized(item)
     ]
-    missing = lacking(room.kind, room_polygon(room).area, own)
+    missing = lacking(room.kind, room_polygon(room).area, items)
     if room.kind == "dining" and not missing and house.diners(room) < DINERS:
         return (TWO_CHAIRS,)
-    if house.is_studio and room.kind == "living" and "bed" not in own:
+    if house.is_studio and room.kind == "living" and "bed" not in items:
         return (*missing, "bed")
     return missing
 
@@ -209,7 +212,7 @@ class _House:
         self.shapes: PolygonArray = np.atleast_1d(shapely.polygons(corners))
         self._index = {id(item): index for index, item in enumerate(graph.items)}
         self._shut = shut_fronts(graph)
-        passages = (one for one in graph.openings if one.kind == "passage")
+        passages = (opening for opening in graph.openings if opening.kind == "passage")
         self._gaps = (*passages, *open_borders(graph.rooms, graph.openings))
 
     def shape(self, item: Item) -> shapely.Polygon:
@@ -233,18 +236,18 @@ class _House:
     def misplaced(self, room: Room) -> tuple[Misplaced, ...]:
         """What stands wrongly in a room, in the order of its pieces."""
         sides, walls = room_sides(room), [*solid_sides(room, self._gaps)]
-        own = [item for item in self.items if item.room_id == room.id]
-        apart = {min(one.id, other.id) for one, other, _ in unit_gaps(own, room_polygon(room))}
-        found = []
-        for item in own:
+        items = [item for item in self.items if item.room_id == room.id]
+        apart = {min(unit.id, other.id) for unit, other, _ in unit_gaps(items, room_polygon(room))}
+        misplaced = []
+        for item in items:
             is_unit = item.category in KITCHEN_UNITS  # runs end at open borders
             faults = [*self._faults(item, room.kind, sides if is_unit else walls)]
             if item.id in apart:
                 faults.append("apart from its run")
             if item.id in self._shut:
                 faults.append(SHUT)
-            found += [Misplaced(item.id, item.category, fault) for fault in faults if fault]
-        return tuple(found)
+            misplaced += [Misplaced(item.id, item.category, fault) for fault in faults if fault]
+        return tuple(misplaced)
 
     def _faults(
         self,
@@ -286,8 +289,8 @@ class _House:
         return "turned from its table"
 
     def _sofa_fault(self, sofa: Item) -> Fault | None:
-        own = self.shape(sofa)
-        seen = [item for item in self.of(FACED) if self.shape(item).distance(own) < SEES_M]
+        shape = self.shape(sofa)
+        seen = [item for item in self.of(FACED) if self.shape(item).distance(shape) < SEES_M]
         if not seen:
             return "facing nothing"
         ahead = any(_faces(sofa, _middle(item), SOFA_DEG) for item in seen)
@@ -318,9 +321,11 @@ def has_back_to_wall(item: Item, sides: Iterable[Side]) -> bool:
 def table_of(chair: Item, items: Iterable[Item]) -> Item | None:
     """The table that a chair stands at: the nearest of them, no farther than AT_TABLE_M."""
     at = shapely.Point(chair.box.center_m[:2])
-    away = [(footprint_polygon(one.box).distance(at), one.id, one)
-            for one in items if one.category in TABLES]  # fmt: skip
-    nearest_m, _, table = min(away, key=lambda one: one[:2], default=(AT_TABLE_M, "", None))
+    away = [(footprint_polygon(table.box).distance(at), table.id, table)
+            for table in items if table.category in TABLES]  # fmt: skip
+    nearest_m, _, table = min(
+        away, key=lambda candidate: candidate[:2], default=(AT_TABLE_M, "", None)
+    )
     return table if nearest_m < AT_TABLE_M else None
 
 

@@ -22,7 +22,7 @@ class Proposal:
     label: int
     score: float
     right: bool
-    """Whether it found a truth of its class that no better proposal had found."""
+    """Whether it matches a truth of its class that no better proposal matches."""
 
 
 def judged(
@@ -48,15 +48,15 @@ def judged(
     return results
 
 
-def average_precision(found: Iterable[Proposal], truths: int) -> float:
+def average_precision(proposals: Iterable[Proposal], truths: int) -> float:
     """Area under the precision-recall curve, precision made monotonous (as in COCO). [0, 1].
 
-    found: all proposals of one class; truths: how many there were to find.
+    proposals: all of one class; truths: how many there were to find.
     """
-    ranked = sorted(found, key=lambda one: -one.score)
+    ranked = sorted(proposals, key=lambda proposal: -proposal.score)
     if not ranked or not truths:
         return 0.0
-    right = np.cumsum([one.right for one in ranked])
+    right = np.cumsum([proposal.right for proposal in ranked])
     precision = right / np.arange(1, len(ranked) + 1)
     precision = np.maximum.accumulate(precision[::-1])[::-1]
     recall = right / truths
@@ -64,12 +64,12 @@ def average_precision(found: Iterable[Proposal], truths: int) -> float:
 
 
 def average_precisions(
-    found: Sequence[Proposal], truths: npt.NDArray[np.integer]
+    proposals: Sequence[Proposal], truths: npt.NDArray[np.integer]
 ) -> dict[int, float]:
     """Average precision of each class that occurs among the truths (all pictures together)."""
     by_label: dict[int, list[Proposal]] = {}
-    for one in found:
-        by_label.setdefault(one.label, []).append(one)
+    for proposal in proposals:
+        by_label.setdefault(proposal.label, []).append(proposal)
     labels, counts = np.unique(truths, return_counts=True)
     return {
         int(label): average_precision(by_label.get(int(label), []), int(count))
@@ -77,12 +77,14 @@ def average_precisions(
     }
 
 
-def edge_errors_m(found: Box, truth: Box) -> FloatArray:
+def edge_errors_m(seen: Box, truth: Box) -> FloatArray:
     """(4,) how far the edges of a footprint lie from the true ones, along the true axes, metres.
 
     Fronts do not matter: a piece that faces the wrong way has its edges where they should be.
     """
-    own = to_own(truth, footprint(found))
+    corners = to_own(truth, footprint(seen))
     half = np.array(truth.size_m[:2]) / 2
-    errors: FloatArray = np.abs(np.concatenate([own.max(axis=0) - half, own.min(axis=0) + half]))
+    errors: FloatArray = np.abs(
+        np.concatenate([corners.max(axis=0) - half, corners.min(axis=0) + half])
+    )
     return errors

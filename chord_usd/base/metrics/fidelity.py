@@ -26,22 +26,22 @@ MAX_TURN_DEG = 10.0
 
 @dataclass(frozen=True)
 class F1:
-    """Agreement of a found set with a true one. Metres for walls, counts for openings."""
+    """Agreement of a read set with a true one. Metres for walls, counts for openings."""
 
-    found: float
+    read: float
     truth: float
-    found_right: float
-    """How much of `found` lies near something true."""
-    truth_found: float
-    """How much of `truth` lies near something found."""
+    read_matched: float
+    """How much of `read` lies near something true."""
+    truth_matched: float
+    """How much of `truth` lies near something read."""
 
     @property
     def value(self) -> float:
         """2 · precision · recall / (precision + recall); 1.0 where both sets are empty."""
-        if self.found == 0 and self.truth == 0:
+        if self.read == 0 and self.truth == 0:
             return 1.0
-        precision = self.found_right / self.found if self.found else 0.0
-        recall = self.truth_found / self.truth if self.truth else 0.0
+        precision = self.read_matched / self.read if self.read else 0.0
+        recall = self.truth_matched / self.truth if self.truth else 0.0
         total = precision + recall
         return 2 * precision * recall / total if total else 0.0
 
@@ -59,26 +59,26 @@ class PlanFidelity:
     rooms: int
 
 
-def plan_fidelity(found: Plan, truth: Plan) -> PlanFidelity:
+def plan_fidelity(plan: Plan, truth: Plan) -> PlanFidelity:
     """Wall, door, window and passage F1 at PLAN_TOLERANCE_M, and room IoU."""
     return PlanFidelity(
-        walls=wall_f1(found, truth),
-        doors=opening_f1(found, truth, "door"),
-        windows=opening_f1(found, truth, "window"),
-        passages=opening_f1(found, truth, "passage"),
-        room_iou=room_iou(found, truth),
+        walls=wall_f1(plan, truth),
+        doors=opening_f1(plan, truth, "door"),
+        windows=opening_f1(plan, truth, "window"),
+        passages=opening_f1(plan, truth, "passage"),
+        room_iou=room_iou(plan, truth),
         rooms=len(truth.rooms),
     )
 
 
-def wall_f1(found: Plan, truth: Plan) -> F1:
+def wall_f1(plan: Plan, truth: Plan) -> F1:
     """Agreement of wall faces: length of one plan's room outlines near the other's."""
-    ours, theirs = _wall_faces(found), _wall_faces(truth)
+    ours, theirs = _wall_faces(plan), _wall_faces(truth)
     return F1(
-        found=ours.length,
+        read=ours.length,
         truth=theirs.length,
-        found_right=ours.intersection(theirs.buffer(PLAN_TOLERANCE_M)).length,
-        truth_found=theirs.intersection(ours.buffer(PLAN_TOLERANCE_M)).length,
+        read_matched=ours.intersection(theirs.buffer(PLAN_TOLERANCE_M)).length,
+        truth_matched=theirs.intersection(ours.buffer(PLAN_TOLERANCE_M)).length,
     )
 
 
@@ -86,9 +86,9 @@ def _wall_faces(plan: Plan) -> shapely.Geometry:
     return shapely.union_all([room_polygon(room).exterior for room in plan.rooms])
 
 
-def opening_f1(found: Plan, truth: Plan, kind: OpeningKind) -> F1:
+def opening_f1(plan: Plan, truth: Plan, kind: OpeningKind) -> F1:
     """Agreement of openings of one kind: both ends within PLAN_TOLERANCE_M, matched one to one."""
-    ours = [opening for opening in found.openings if opening.kind == kind]
+    ours = [opening for opening in plan.openings if opening.kind == kind]
     theirs = [opening for opening in truth.openings if opening.kind == kind]
     if not ours or not theirs:
         return F1(len(ours), len(theirs), 0, 0)
@@ -112,51 +112,51 @@ def _ends(opening: Opening) -> FloatArray:
     return np.stack([center - half, center + half])
 
 
-def room_iou(found: Plan, truth: Plan) -> float:
-    """Mean over true rooms of IoU with the found room matched to it; 1.0 where there is none."""
+def room_iou(plan: Plan, truth: Plan) -> float:
+    """Mean over true rooms of IoU with the read room matched to it; 1.0 where there is none."""
     if not truth.rooms:
         return 1.0
-    if not found.rooms:
+    if not plan.rooms:
         return 0.0
     score = _iou_table(
-        np.array([room_polygon(room) for room in found.rooms]),
+        np.array([room_polygon(room) for room in plan.rooms]),
         np.array([room_polygon(room) for room in truth.rooms]),
     )
     pairs = _match(score, accept=lambda iou: iou > 0)
     return float(sum(score[a, b] for a, b in pairs)) / len(truth.rooms)
 
 
-def match_items(found: Sequence[Item], truth: Sequence[Item]) -> list[tuple[Item, Item]]:
-    """Pairs (found, true) of one category with footprint IoU of MIN_MATCH_IOU or more, one to one.
+def match_items(items: Sequence[Item], truth: Sequence[Item]) -> list[tuple[Item, Item]]:
+    """Pairs (item, truth) of one category with footprint IoU of MIN_MATCH_IOU or more, one to one.
 
-    Best overlaps are paired first. 2 · pairs / (found + truth) is the F1 of detection.
+    Best overlaps are paired first. 2 · pairs / (items + truth) is the F1 of detection.
     """
-    if not found or not truth:
+    if not items or not truth:
         return []
-    score = _iou_table(footprints_of(found).polygons, footprints_of(truth).polygons)
-    ours = np.array([item.category for item in found])[:, None]
+    score = _iou_table(footprints_of(items).polygons, footprints_of(truth).polygons)
+    ours = np.array([item.category for item in items])[:, None]
     theirs = np.array([item.category for item in truth])[None, :]
     score = np.where(ours == theirs, score, 0.0)
     pairs = _match(score, accept=lambda iou: iou >= MIN_MATCH_IOU)
-    return [(found[a], truth[b]) for a, b in pairs]
+    return [(items[a], truth[b]) for a, b in pairs]
 
 
-def orientation(found: Sequence[Item], truth: Sequence[Item]) -> tuple[float, int]:
+def orientation(items: Sequence[Item], truth: Sequence[Item]) -> tuple[float, int]:
     """Share of matched items whose front is within MAX_TURN_DEG of the truth, and their number.
 
     Items without a match are not counted; (0.0, 0) where none matches.
     """
-    pairs = match_items(found, truth)
+    pairs = match_items(items, truth)
     right = sum(abs(wrap_deg(a.box.yaw_deg - b.box.yaw_deg)) <= MAX_TURN_DEG for a, b in pairs)
     return (right / len(pairs) if pairs else 0.0), len(pairs)
 
 
-def _iou_table(found: npt.NDArray, truth: npt.NDArray) -> FloatArray:
-    """(len(found), len(truth)) intersection over union of polygons."""
-    rows, columns = shapely.STRtree(truth).query(found, predicate="intersects")
-    shared = shapely.area(shapely.intersection(found[rows], truth[columns], grid_size=GRID_M))
-    areas = shapely.area(found)[rows] + shapely.area(truth)[columns] - shared
-    iou = np.zeros((len(found), len(truth)))
+def _iou_table(polygons: npt.NDArray, truth: npt.NDArray) -> FloatArray:
+    """(len(polygons), len(truth)) intersection over union of polygons."""
+    rows, columns = shapely.STRtree(truth).query(polygons, predicate="intersects")
+    shared = shapely.area(shapely.intersection(polygons[rows], truth[columns], grid_size=GRID_M))
+    areas = shapely.area(polygons)[rows] + shapely.area(truth)[columns] - shared
+    iou = np.zeros((len(polygons), len(truth)))
     iou[rows, columns] = shared / np.maximum(areas, 1e-12)
     return iou
 

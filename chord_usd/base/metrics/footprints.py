@@ -56,7 +56,7 @@ def footprints_of(items: Sequence[Item]) -> Footprints:
 
 
 def sibling_groups(graph: SceneGraph) -> Iterator[tuple[Item, ...]]:
-    """Items that are compared with each other: those of the house, then those of each table.
+    """Items that are compared with each other: first the house's, then each table's.
 
     Children are posed in the frame of their parent, so a group never mixes frames.
     """

@@ -82,19 +82,19 @@ def _spaces(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> tuple[_Sp
 
 
 def shut_fronts(graph: SceneGraph) -> dict[str, tuple[str, ...]]:
-    """Ids of the pieces that nobody can stand before, with those of what stands there instead.
+    """Ids of the pieces that nobody can stand before, with the pieces that stand there instead.
 
     Without names where only the way to the front is shut. Dressing counts as furniture does.
     """
-    found: dict[str, tuple[str, ...]] = {}
+    fronts: dict[str, tuple[str, ...]] = {}
     by_room: dict[str, list[Item]] = {}
     for item in (*graph.items, *filter(takes_floor, graph.dressing)):
         by_room.setdefault(item.room_id, []).append(item)
     for space in _spaces(graph.rooms, graph.openings):
         items = [item for room in space.rooms for item in by_room.get(room.id, ())]
         for index, before in _shut(space, tuple((item.category, item.box) for item in items)):
-            found[items[index].id] = tuple(items[other].id for other in before)
-    return found
+            fronts[items[index].id] = tuple(items[other].id for other in before)
+    return fronts
 
 
 @lru_cache(maxsize=512)  # of a house in work, most rooms stay as they are from step to step

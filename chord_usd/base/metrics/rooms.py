@@ -53,7 +53,7 @@ def _with_windows(
     floors: Mapping[str, shapely.Polygon], openings: Iterable[Opening]
 ) -> dict[str, shapely.Geometry]:
     """The floors by room id, grown into the walls a little and by the windows beside them."""
-    windows = [footprint_polygon(one.box) for one in openings if one.kind == "window"]
+    windows = [footprint_polygon(opening.box) for opening in openings if opening.kind == "window"]
     return {
         room_id: shapely.union_all(
             [floor, *(window for window in windows if window.distance(floor) < DRESSING_SLACK_M)]

@@ -31,13 +31,19 @@ class SceneScores:
     @property
     def out_of_room(self) -> tuple[str, ...]:
         """Ids of pieces that stand beyond the floor of their room."""
-        return tuple(one.item for one in self.violations if one.kind == "out of room")
+        return tuple(
+            violation.item for violation in self.violations if violation.kind == "out of room"
+        )
 
     @property
     def blocked_openings(self) -> tuple[str, ...]:
         """Ids of openings that something stands in front of, each once."""
-        found = (one.other for one in self.violations if one.kind == "before an opening")
-        return tuple(dict.fromkeys(found))
+        blocked = (
+            violation.other
+            for violation in self.violations
+            if violation.kind == "before an opening"
+        )
+        return tuple(dict.fromkeys(blocked))
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ def unit_gaps(items: Sequence[Item], floor: shapely.Polygon) -> Iterator[tuple[I
     units = [item for item in items if item.category in KITCHEN_UNITS]
     for unit in units:
         beside = [(gap_m, other) for other in units if (gap_m := _gap_m(unit, other)) is not None]
-        gap_m, other = min(beside, key=lambda one: one[0], default=(0.0, unit))
+        gap_m, other = min(beside, key=lambda beside_it: beside_it[0], default=(0.0, unit))
         if JOINT_M < gap_m < LEAST_USE_M and _is_free(unit, other, items, floor):
             yield unit, other, gap_m
 

@@ -69,8 +69,8 @@ class Violation:
     @property
     def items(self) -> tuple[str, ...]:
         """Ids of the pieces that it is about."""
-        own = (self.item, self.other) if self.kind == "overlap" else (self.item,)
-        return tuple(item_id for item_id in own if item_id)
+        ids = (self.item, self.other) if self.kind == "overlap" else (self.item,)
+        return tuple(item_id for item_id in ids if item_id)
 
 
 def violations(
@@ -87,31 +87,31 @@ def violations(
     things = (*graph.items, *graph.dressing)
     room_of = {item.id: room_id for item, room_id in _standing(things)}
     pairs = (overlap or scene_overlap(graph)).overlapping
-    found = [
+    violated = [
         Violation("overlap", room_of[pair.a], pair.a, pair.b, pair.area_m2)
         for pair in pairs
         if not pair.natural
     ]
-    found += _beyond(graph)
-    found += [
-        Violation("before an opening", room_of[one.item], one.item, one.opening)
-        for one in blocked_openings(graph)
+    violated += _beyond(graph)
+    violated += [
+        Violation("before an opening", room_of[block.item], block.item, block.opening)
+        for block in blocked_openings(graph)
     ]
     for room in homely_rooms(graph) if homely is None else homely:
-        found += [
-            Violation(_KINDS_OF.get(one.fault, "misplaced"), room.room, one.item, one.fault)
-            for one in room.misplaced
+        violated += [
+            Violation(_KINDS_OF.get(piece.fault, "misplaced"), room.room, piece.item, piece.fault)
+            for piece in room.misplaced
         ]
-        found += [Violation("missing", room.room, other=name) for name in room.missing]
-    return found
+        violated += [Violation("missing", room.room, other=name) for name in room.missing]
+    return violated
 
 
 def _standing(items: Iterable[Item], room_id: str = "") -> Iterator[tuple[Item, str]]:
     """Every piece, and what stands on it, with the room's id."""
     for item in items:
-        own = room_id or item.room_id
-        yield item, own
-        yield from _standing(item.children, own)
+        place = room_id or item.room_id
+        yield item, place
+        yield from _standing(item.children, place)
 
 
 def _beyond(graph: SceneGraph) -> Iterator[Violation]:
@@ -134,19 +134,19 @@ def room_faults(
     """How much is wrong in each of these rooms, by WEIGHTS; 0 is good.
 
     Per piece: a total would favour short lists. Pieces that stand in no room of its kind count, as
-    a table in a bathroom does. Then essentials that are missing, but for those of excluded
+    a table in a bathroom does. Then essentials that are missing, but for excluded
     categories, by room id, pieces that a wall keeps shut, which serve as little as missing ones,
     and doors that one does not get to from others of the room.
 
     unpainted: whether what stands before openings is missing, since the painter may not paint it.
     """
-    found = violations(graph)
-    blocked = {one.item for one in found if one.kind == "before an opening"}
+    violated = violations(graph)
+    blocked = {violation.item for violation in violated if violation.kind == "before an opening"}
     if unpainted and blocked:
         stays = homely_rooms(graph.without(blocked))
-        found = [one for one in found if one.kind != "missing"]
-        found += [Violation("missing", own.room, other=name) for own in stays
-                  for name in own.missing]  # fmt: skip
+        violated = [violation for violation in violated if violation.kind != "missing"]
+        violated += [Violation("missing", room.room, other=name) for room in stays
+                  for name in room.missing]  # fmt: skip
     pieces = Counter(item.room_id for item in graph.items)
     by_id = {room.id: room for room in rooms}
     faults = dict.fromkeys(by_id, 0.0)
@@ -155,13 +155,13 @@ def room_faults(
         room = by_id.get(item.room_id)
         if room is not None and not is_of_kind(item, room.kind, mixed):
             faults[room.id] += _OUT_OF_PLACE / max(1, pieces[room.id])
-    for one in found:
-        room = by_id.get(one.room)
-        if room is None or (one.kind == "out of room" and one.amount <= ROUNDING_M2):
+    for violation in violated:
+        room = by_id.get(violation.room)
+        if room is None or (violation.kind == "out of room" and violation.amount <= ROUNDING_M2):
             continue
-        if one.kind != "missing":
-            faults[room.id] += WEIGHTS[one.kind] * one.amount / max(1, pieces[room.id])
-        elif not _is_excluded(one.other, room, excluded or {}):
+        if violation.kind != "missing":
+            faults[room.id] += WEIGHTS[violation.kind] * violation.amount / max(1, pieces[room.id])
+        elif not _is_excluded(violation.other, room, excluded or {}):
             faults[room.id] += WEIGHTS["missing"]
     known = shells(graph.rooms, graph.openings)
     for room in rooms:
@@ -172,6 +172,6 @@ def room_faults(
 
 
 def _is_excluded(name: str, room: Room, excluded: Mapping[str, Collection[str]]) -> bool:
-    """Whether an essential of a room is one that it shall not hold."""
-    own = {one.name: one.categories for one in ESSENTIALS[room.kind]}
-    return bool(own.get(name, frozenset()).intersection(excluded.get(room.id, ())))
+    """Whether a room must not hold one of its essentials."""
+    categories = {essential.name: essential.categories for essential in ESSENTIALS[room.kind]}
+    return bool(categories.get(name, frozenset()).intersection(excluded.get(room.id, ())))

@@ -294,10 +294,10 @@ def _fidelity(furnished: Sequence[Furnished]) -> dict[str, Score]:
 def _summed(parts: Sequence[F1], over: str) -> Score:
     """F1 over all houses together, so that a house without a door weighs nothing."""
     total = F1(
-        sum(part.found for part in parts),
+        sum(part.read for part in parts),
         sum(part.truth for part in parts),
-        sum(part.found_right for part in parts),
-        sum(part.truth_found for part in parts),
+        sum(part.read_matched for part in parts),
+        sum(part.truth_matched for part in parts),
     )
     return Score(total.value, round(total.truth), over)
 

@@ -194,8 +194,8 @@ def score_reading(case: Case, reader: Reader) -> PlanScore:
     truth, true_floors = max(storeys, key=lambda pair: room_iou(floors, pair[1]))
     fidelity = plan_fidelity(floors, true_floors)
     parts = (fidelity.doors, fidelity.windows, fidelity.passages)
-    total = sum(part.found + part.truth for part in parts)
-    right = sum(2 * part.found_right for part in parts)
+    total = sum(part.read + part.truth for part in parts)
+    right = sum(2 * part.read_matched for part in parts)
     told = [room for room in truth.rooms if room.id in case.told]
     return PlanScore(
         case.family, refused=False, walls=fidelity.walls.value,

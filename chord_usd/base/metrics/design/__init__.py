@@ -49,8 +49,8 @@ class Design:
     def share(self) -> float:
         """Rules kept / rules asked, of all rooms and the home; 1 where none was asked."""
         every = (*self.rooms, self.home)
-        asked = sum(one.asked for one in every)
-        return sum(len(one.kept) for one in every) / asked if asked else 1.0
+        asked = sum(judged.asked for judged in every)
+        return sum(len(judged.kept) for judged in every) / asked if asked else 1.0
 
 
 def judged_room(view: View) -> Iterator[Judged]:
@@ -79,12 +79,12 @@ def design_of(graphs: Sequence[SceneGraph], homely: Iterable[Homely] = ()) -> De
     views = [view_home(graph, is_dressed=True) for graph in graphs]
     rooms = tuple(room for view in views for room in view.rooms)
     front = next((view.entrance for view in views if view.entrance is not None), None)
-    lived = {one.room: one for one in homely if one.is_judged}
+    lived = {room.room: room for room in homely if room.is_judged}
     judged = []
     for room in rooms:
-        for nth, one in enumerate(judged_room(room)):
-            own = lived.get(one.place) if nth == 0 else None
-            judged.append(_with_homely(one, own, room) if own else one)
+        for nth, verdict in enumerate(judged_room(room)):
+            lived_in = lived.get(verdict.place) if nth == 0 else None
+            judged.append(_with_homely(verdict, lived_in, room) if lived_in else verdict)
     return Design(tuple(judged), judged_home(HomeView(rooms, front)))
 
 
@@ -97,17 +97,17 @@ def worse_planned(before: Design, after: Design) -> dict[str, str]:
 
     Counts are left out: pieces that are gone were removed by request.
     """
-    known = {(one.place, one.kind): one for one in before.rooms}
+    known = {(judged.place, judged.kind): judged for judged in before.rooms}
     worse = {}
-    for one in after.rooms:
-        old = known.get((one.place, one.kind))
+    for judged in after.rooms:
+        old = known.get((judged.place, judged.kind))
         broken = {
-            found.rule: found.said
-            for found in one.findings
-            if old and found.rule in old.kept and found.unit != "count"
+            finding.rule: finding.said
+            for finding in judged.findings
+            if old and finding.rule in old.kept and finding.unit != "count"
         }
         if old and len(broken) >= NOTICEABLE * old.asked:
-            worse[one.place] = "; ".join(broken.values())
+            worse[judged.place] = "; ".join(broken.values())
     return worse
 
 
@@ -121,11 +121,11 @@ def _with_homely(judged: Judged, homely: Homely, room: View) -> Judged:
     lacks = [Finding(f"{COMPLETE}, {name}", _OWN, "count", 1, 0, room.middle, ())
              for name in homely.missing]  # fmt: skip
     wrong = [
-        Finding(f"{RIGHT}, {one.fault}", _OWN, "count", 0, 1,
-                places.get(one.item, room.middle), (one.item,))
-        for one in homely.misplaced
+        Finding(f"{RIGHT}, {piece.fault}", _OWN, "count", 0, 1,
+                places.get(piece.item, room.middle), (piece.item,))
+        for piece in homely.misplaced
     ]  # fmt: skip
-    kept = [name for name, found in ((COMPLETE, lacks), (RIGHT, wrong)) if not found]
+    kept = [name for name, findings in ((COMPLETE, lacks), (RIGHT, wrong)) if not findings]
     return replace(
         judged,
         kept=(*judged.kept, *kept),

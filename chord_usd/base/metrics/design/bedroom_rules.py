@@ -35,7 +35,7 @@ def _is_double(view: View, at: int) -> bool:
 def bedside(view: View, at: int) -> list[int]:
     """Bedside tables of a bed."""
     away = view.gaps(at)
-    return [one for one in view.of("bedside_table") if away[one] < _BESIDE_M]
+    return [table for table in view.of("bedside_table") if away[table] < _BESIDE_M]
 
 
 def wardrobes(view: View) -> list[int]:
@@ -78,7 +78,7 @@ def _pair(view: View) -> Iterator[Measured]:
         return
     tables = bedside(view, at)
     if len(tables) == 2:
-        sizes = np.array([view.items[one].box.size_m for one in tables])
+        sizes = np.array([view.items[table].box.size_m for table in tables])
         yield Measured(float(np.abs(sizes[0] - sizes[1]).max()), view.point(at),
                        _id(view, *tables))  # fmt: skip
 
@@ -94,10 +94,10 @@ def _foot(view: View) -> Iterator[Measured]:
 def _dressing_place(view: View) -> Iterator[Measured]:
     """The widest free floor at a side or the foot."""
     values = [
-        one for measure in (_sides(True, 1), _sides(False, 1), _foot) for one in measure(view)
+        value for measure in (_sides(True, 1), _sides(False, 1), _foot) for value in measure(view)
     ]
     if values:
-        yield max(values, key=lambda one: one.have)
+        yield max(values, key=lambda value: value.have)
 
 
 def _head_window(view: View) -> Iterator[Measured]:
@@ -155,10 +155,10 @@ def _wardrobe_metres(view: View) -> Iterator[Measured]:
     """Metres of wardrobe a sleeper; 0 where there is no storage at all."""
     if _bed(view) is None:
         return
-    found = wardrobes(view)
-    if found or not view.of("cabinet", "wardrobe"):
-        total = float(view.length[found].sum())
-        yield Measured(total / max(1, sleepers_of(view)), view.middle, _id(view, *found))
+    storage = wardrobes(view)
+    if storage or not view.of("cabinet", "wardrobe"):
+        total = float(view.length[storage].sum())
+        yield Measured(total / max(1, sleepers_of(view)), view.middle, _id(view, *storage))
 
 
 def _wardrobe_front(view: View) -> Iterator[Measured]:
@@ -180,7 +180,7 @@ def _wardrobe_window(view: View) -> Iterator[Measured]:
 
 def _desk(view: View) -> Iterator[Measured]:
     for at in view.of("table")[:1]:
-        chairs = [one for one in view.of("chair") if view.gaps(at)[one] < 0.7]
+        chairs = [chair for chair in view.of("chair") if view.gaps(at)[chair] < 0.7]
         if chairs:
             yield Measured(view.before(at, -0.3, 0.3, chairs),
                            view.point(at, 0, view.depth[at] / 2), _id(view, at))  # fmt: skip

@@ -47,8 +47,8 @@ class Runs:
         self.units = [at for at, name in enumerate(view.categories) if is_unit(name)]
         joined = [
             (i, j)
-            for i, one in enumerate(self.units)
-            for j, gap in enumerate(view.gaps(one)[self.units])
+            for i, unit in enumerate(self.units)
+            for j, gap in enumerate(view.gaps(unit)[self.units])
             if i < j and gap <= RUN_GAP_M
         ]
         groups = hanging_together(len(self.units), joined)
@@ -140,8 +140,8 @@ def runs_of(view: View) -> Runs | None:
         runs = Runs(view)
         both = runs.first(SINK) is not None and runs.first(COOKER) is not None
         view._runs = runs if both else None  # type: ignore[attr-defined]
-    found: Runs | None = view._runs  # type: ignore[attr-defined]
-    return found
+    cached: Runs | None = view._runs  # type: ignore[attr-defined]
+    return cached
 
 
 def _id(view: View, *numbers: int) -> tuple[str, ...]:
@@ -169,11 +169,11 @@ def _one_run(view: View) -> Iterator[Measured]:
                *_id(view, sink, cooker))  # fmt: skip
 
 
-def _across(view: View, one: int, other: int) -> bool:
+def _across(view: View, unit: int, other: int) -> bool:
     """Whether two units face each other over one aisle."""
-    u, v = view.own(one, view.at[other])
-    gap = v - view.depth[one] / 2 - view.depth[other] / 2
-    faces = abs((view.yaw[one] - view.yaw[other] + 360.0) % 360.0 - 180.0) < 15.0
+    u, v = view.own(unit, view.at[other])
+    gap = v - view.depth[unit] / 2 - view.depth[other] / 2
+    faces = abs((view.yaw[unit] - view.yaw[other] + 360.0) % 360.0 - 180.0) < 15.0
     return bool(faces and 0.84 <= gap <= 1.5 and abs(u) < 2.0)
 
 
@@ -255,7 +255,7 @@ def _aisle(view: View) -> Iterator[Measured]:
 
 
 def _front_covered(view: View, at: int, among: list[int]) -> float:
-    others = [one for one in among if one != at]
+    others = [unit for unit in among if unit != at]
     if not others:
         return 0.0
     half, edge = view.length[at] / 2 - 0.02, view.depth[at] / 2
@@ -352,7 +352,9 @@ def _cooker_beside(view: View) -> Iterator[Measured]:
     for at in _cooker(view):
         assert runs is not None
         beside = [runs.beside(at, side) for side in (-1, 1)]
-        wrong = [one for one in beside if one is not None and view.categories[one] in (SINK, COLD)]
+        wrong = [
+            unit for unit in beside if unit is not None and view.categories[unit] in (SINK, COLD)
+        ]
         yield flag(bool(wrong), view.point(at), *_id(view, at, *wrong))
 
 
@@ -372,7 +374,7 @@ def _tall_between(view: View) -> Iterator[Measured]:
         if view.height[at] < TALL_M:
             continue
         beside = [runs.beside(at, side) for side in (-1, 1)]
-        low = [one is not None and view.height[one] < TALL_M for one in beside]
+        low = [unit is not None and view.height[unit] < TALL_M for unit in beside]
         yield flag(all(low), view.point(at), *_id(view, at))
 
 
@@ -384,20 +386,20 @@ def _way_through(view: View) -> Iterator[Measured]:
     sink, cooker = view.of(SINK)[0], view.of(COOKER)[0]
     leg = np.array([view.point(at, 0.0, view.depth[at] / 2 + 0.3) for at in (sink, cooker)])
     wrong = any(
-        _cross(leg, np.array([one.middle, other.middle]))
-        for i, one in enumerate(ways) for other in ways[:i]
+        _cross(leg, np.array([way.middle, other.middle]))
+        for i, way in enumerate(ways) for other in ways[:i]
     )  # fmt: skip
     yield flag(wrong, view.middle, *_id(view, sink, cooker))
 
 
-def _cross(one: FloatArray, other: FloatArray) -> bool:
+def _cross(way: FloatArray, other: FloatArray) -> bool:
     def side(line: FloatArray, point: FloatArray) -> float:
         along, ahead = line[1] - line[0], point - line[0]
         return float(along[0] * ahead[1] - along[1] * ahead[0])
 
     return (
-        side(one, other[0]) * side(one, other[1]) < 0
-        and side(other, one[0]) * side(other, one[1]) < 0
+        side(way, other[0]) * side(way, other[1]) < 0
+        and side(other, way[0]) * side(other, way[1]) < 0
     )
 
 

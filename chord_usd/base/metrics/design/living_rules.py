@@ -50,7 +50,7 @@ def _television(view: View) -> Screen | None:
     if sofa is None:
         return next(iter(view.televisions), None)
     return min(view.televisions, default=None,
-               key=lambda one: float(np.hypot(*(one.at - view.at[sofa]))))  # fmt: skip
+               key=lambda screen: float(np.hypot(*(screen.at - view.at[sofa]))))  # fmt: skip
 
 
 def _has_sofa(view: View) -> Iterator[Measured]:

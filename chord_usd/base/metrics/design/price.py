@@ -47,8 +47,8 @@ def broken_share(view: View) -> float:
     """Share of the rules that a room breaks, by weight; its dining table's are among them. Clauses
     of a standard that the home is planned to cost more."""
     judged = list(judged_room(view))
-    weight = sum(one.weight for one in judged)
-    broken = 1.0 - sum(one.won for one in judged) / weight if weight else 0.0
+    weight = sum(verdict.weight for verdict in judged)
+    broken = 1.0 - sum(verdict.won for verdict in judged) / weight if weight else 0.0
     shell = view.shell
     if clauses := CLAUSES.get().get(shell.kind):
         kept = judge(clauses, view, shell.room.id, shell.kind, shell.area_m2)
@@ -60,7 +60,9 @@ def home_price(home: HomeView) -> float:
     """What the rules that a home breaks cost, and a little by how much it breaks them: what one
     room cannot give alone, others give the rest of."""
     judged = judged_home(home)
-    missing = sum(min(abs(one.have - one.need) / _MOST_MISSING, 1.0) for one in judged.findings)
+    missing = sum(
+        min(abs(finding.have - finding.need) / _MOST_MISSING, 1.0) for finding in judged.findings
+    )
     return HOME * (1.0 - judged.share) + _NEARER * missing
 
 
@@ -120,8 +122,8 @@ def beyond_walls(corners: FloatArray, shell: Shell) -> FloatArray:
     out = ~inside(points, shell.room.polygon_m)
     away = np.zeros(len(points))
     away[out] = distances(points[out], shell.sides).min(axis=1)
-    found: FloatArray = away.reshape(-1, 4).max(axis=1)
-    return found
+    farthest: FloatArray = away.reshape(-1, 4).max(axis=1)
+    return farthest
 
 
 def quick_price(view: View, faults: int | None = None) -> float:

@@ -123,13 +123,13 @@ class Judged:
     @property
     def asked(self) -> int:
         """How many rules were asked."""
-        return len(self.kept) + len({one.rule for one in self.findings})
+        return len(self.kept) + len({finding.rule for finding in self.findings})
 
     def as_json(self) -> dict[str, Any]:
         """As reports give it."""
         return {
             "path": self.place, "kind": self.kind, "rules_kept": len(self.kept),
-            "rules": self.asked, "findings": [one.as_json() for one in self.findings],
+            "rules": self.asked, "findings": [finding.as_json() for finding in self.findings],
         }  # fmt: skip
 
     @property
@@ -153,12 +153,14 @@ def judge(
         values = list(rule.measure(seen))
         if not values:
             continue
-        broken = [one for one in values if not rule.keeps(one.have)]
+        broken = [value for value in values if not rule.keeps(value.have)]
         asked += rule.weight
         if broken:
             findings += [
-                Finding(rule.name, rule.source, rule.unit, rule.need, one.have, one.at, one.items)
-                for one in broken
+                Finding(
+                    rule.name, rule.source, rule.unit, rule.need, value.have, value.at, value.items
+                )
+                for value in broken
             ]
         else:
             won += rule.weight

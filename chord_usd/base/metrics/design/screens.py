@@ -84,7 +84,7 @@ def places_on_walls(
     sofa = max(seats, key=lambda at: view.length[at], default=None)
     if sofa is None:
         return
-    found = []
+    free = []
     nearest, farthest = SEEN_FROM_M
     if size_m[0] < SIZES_M[0][0]:
         farthest = min(farthest, _FARTHEST * math.hypot(size_m[0], size_m[2]))
@@ -106,8 +106,8 @@ def places_on_walls(
             for s in dict.fromkeys((min(max(axis, first), last), first, last)):
                 if first <= s <= last:
                     x, y = (start + along * s + inward * size_m[1] / 2).tolist()
-                    found.append((abs(s - axis), Box((x, y, BASE_M), size_m, round(yaw, 6))))
-    yield from (box for _, box in sorted(found, key=lambda one: one[0]))
+                    free.append((abs(s - axis), Box((x, y, BASE_M), size_m, round(yaw, 6))))
+    yield from (box for _, box in sorted(free, key=lambda ranked: ranked[0]))
 
 
 def _free_spans(

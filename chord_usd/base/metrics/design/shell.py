@@ -71,31 +71,31 @@ class Rects:
         across = self.right * self.half[:, :1]
         along = self.front * self.half[:, 1:]
         steps = [-across - along, -across + along, across + along, across - along]
-        found: FloatArray = self.at[:, None] + np.stack(steps, axis=1)
-        return found
+        corners: FloatArray = self.at[:, None] + np.stack(steps, axis=1)
+        return corners
 
     def depths(self, others: Rects) -> FloatArray:
         """(N, M) how deep each reaches into each of others along the axes of both: the least move
         that parts them; 0 where they are apart."""
         deep = np.minimum(self._into(others), others._into(self).T)
-        found: FloatArray = np.maximum(deep, 0.0)
-        return found
+        depths: FloatArray = np.maximum(deep, 0.0)
+        return depths
 
     def of(self, numbers: npt.NDArray[np.intp] | BoolArray) -> Rects:
         """Those of these numbers, or of a mask."""
-        return Rects(*(own[numbers] for own in (self.at, self.right, self.front, self.half)))
+        return Rects(*(values[numbers] for values in (self.at, self.right, self.front, self.half)))
 
     def depths_each(self, others: Rects) -> FloatArray:
         """(N,) how deep each reaches into the other of its number, as depths has it."""
         deep = np.full(len(self.at), np.inf)
-        for one, two in ((self, others), (others, self)):
-            ahead = two.corners - one.at[:, None]
-            for axis, half in ((one.right, one.half[:, 0]), (one.front, one.half[:, 1])):
+        for first, second in ((self, others), (others, self)):
+            ahead = second.corners - first.at[:, None]
+            for axis, half in ((first.right, first.half[:, 0]), (first.front, first.half[:, 1])):
                 along = (ahead * axis[:, None]).sum(axis=2)
                 reach = half + np.minimum(-along.min(axis=1), along.max(axis=1))
                 deep = np.minimum(deep, reach)
-        found: FloatArray = np.maximum(deep, 0.0)
-        return found
+        depths: FloatArray = np.maximum(deep, 0.0)
+        return depths
 
     def crossed_by(self, lines: FloatArray) -> BoolArray:
         """(N,) whether any of these lines (L, 2, 2) reaches farther into each than a touch."""
@@ -105,9 +105,9 @@ class Rects:
             first, last = along[:, 0].T, along[:, 1].T
             run = np.where(last == first, 1e-9, last - first)
             reach = np.maximum(half - TOUCH_M, 0.0)
-            one, other = (-reach - first) / run, (reach - first) / run
-            enter = np.maximum(enter, np.minimum(one, other))
-            leave = np.minimum(leave, np.maximum(one, other))
+            at_near, other = (-reach - first) / run, (reach - first) / run
+            enter = np.maximum(enter, np.minimum(at_near, other))
+            leave = np.minimum(leave, np.maximum(at_near, other))
         crossed: BoolArray = (enter < leave).any(axis=1)
         return crossed
 
@@ -233,7 +233,7 @@ class Shell:
         empty = np.zeros((0, 2))
         arrays = ([getattr(floor, name) for floor in floors] for name in
                   ("at", "right", "front", "half"))  # fmt: skip
-        return Rects(*(np.concatenate(own) if own else empty for own in arrays))
+        return Rects(*(np.concatenate(parts) if parts else empty for parts in arrays))
 
     @cached_property
     def ground(self) -> Ground:
@@ -247,7 +247,7 @@ class Shell:
 
     @cached_property
     def below_glass(self) -> Rects:
-        """(K,) those of these floors that windows keep free."""
+        """(K,) the floors that windows keep free."""
         return self.clear.of(np.array([not hole.is_way for hole in self._keeping], np.bool_))
 
     @property
@@ -289,14 +289,14 @@ def shells(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> dict[str, 
     areas = {room.id: float(room_polygon(room).area) for room in rooms}
     largest = {
         room.id for room in rooms
-        if areas[room.id] >= max(areas[one.id] for one in rooms if one.kind == room.kind)
+        if areas[room.id] >= max(areas[same.id] for same in rooms if same.kind == room.kind)
     }  # fmt: skip
     lived_in = "bedroom" if mixed_kind([room.kind for room in rooms]) == "bedroom" else "living"
     return {
         room.id: Shell(
             room,
             areas[room.id],
-            solid_sides(room, (*(one for one in openings if one.kind == "passage"),
+            solid_sides(room, (*(opening for opening in openings if opening.kind == "passage"),
                                *borders[room.id])),
             tuple(holes[room.id]),
             np.array(room_sides(room)),
@@ -329,5 +329,5 @@ def inside(points: FloatArray, polygon: FloatArray) -> BoolArray:
     spans = (start[:, 1] > y) != (end[:, 1] > y)
     rise = np.where(end[:, 1] == start[:, 1], 1.0, end[:, 1] - start[:, 1])
     at = start[:, 0] + (y - start[:, 1]) / rise * (end[:, 0] - start[:, 0])
-    odd: BoolArray = (spans & (x < at)).sum(axis=1) % 2 == 1
-    return odd
+    crossed: BoolArray = (spans & (x < at)).sum(axis=1) % 2 == 1
+    return crossed

@@ -163,7 +163,7 @@ def _read(name: str) -> Standard:
 def _clause(row: Mapping[str, str]) -> Clause:
     named = row["kinds"].split() if row["kinds"] != TABLE else [TABLE]
     # Standards ask the same of all rooms with plumbing.
-    kinds = tuple(one for kind in named for one in (WET_KINDS if kind == "bathroom" else (kind,)))
+    kinds = tuple(wet for kind in named for wet in (WET_KINDS if kind == "bathroom" else (kind,)))
     unit: Unit = "m" if row["unit"] == "m" else "count"
     need = float(row["need"]) if row["need"] else 0.0
     return Clause(row["clause"], kinds, row["measure"], need, unit, row["limit"] == "most",

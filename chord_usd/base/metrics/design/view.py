@@ -156,21 +156,21 @@ class View:
         but: tuple[int, ...],
     ) -> float:
         count = 4 * len(self.items)
-        own = self._segments - self.at[at]
-        forward, lateral = own @ ahead, own @ across
+        segments = self._segments - self.at[at]
+        forward, lateral = segments @ ahead, segments @ across
         low, high = self._between(band)
         first, rise = lateral[:, 0], forward[:, 1] - forward[:, 0]
         run = lateral[:, 1] - first
         flat = np.abs(run) < 1e-9
         safe = np.where(flat, 1.0, run)
-        one, other = (low - first) / safe, (high - first) / safe
-        enter = np.maximum(np.minimum(one, other), 0.0)
-        leave = np.minimum(np.maximum(one, other), 1.0)
+        first_cut, last_cut = (low - first) / safe, (high - first) / safe
+        enter = np.maximum(np.minimum(first_cut, last_cut), 0.0)
+        leave = np.minimum(np.maximum(first_cut, last_cut), 1.0)
         crosses = np.where(flat, (first > low) & (first < high), enter < leave)
         enter, leave = np.where(flat, 0.0, enter), np.where(flat, 1.0, leave)
-        one, other = forward[:, 0] + rise * enter, forward[:, 0] + rise * leave
-        near = np.where(crosses, np.minimum(one, other), np.inf)
-        far = np.where(crosses, np.maximum(one, other), -np.inf)
+        first_cut, last_cut = forward[:, 0] + rise * enter, forward[:, 0] + rise * leave
+        near = np.where(crosses, np.minimum(first_cut, last_cut), np.inf)
+        far = np.where(crosses, np.maximum(first_cut, last_cut), -np.inf)
         least = MOST_M
         counts = self.stands & (far[:count].reshape(-1, 4).max(axis=1) > start + TOUCH_M)
         counts[[at, *but]] = False
@@ -240,13 +240,13 @@ class View:
 
     def windows_behind(self, at: int, depth: float = 0.35, wider: float = 0.0) -> list[Hole]:
         """Windows in the wall behind a piece, along more than 10 cm of it."""
-        found = []
+        holes = []
         half, back = self.length[at] / 2 + wider, self.depth[at] / 2
         for hole in self.shell.windows:
             span = clipped(self.own(at, hole.ends), (-half, half), (-back - depth, 0.05 - back))
             if span > 0.1:
-                found.append(hole)
-        return found
+                holes.append(hole)
+        return holes
 
     def is_upright_to(self, at: int, other: int, within_deg: float = 15.0) -> bool:
         """Whether two pieces face the same way."""
@@ -268,12 +268,12 @@ class View:
         """On cabinets and walls. A room that is not dressed yet gets one where a wall has a place
         and no cabinet holds one."""
         bare = self.bare
-        found = [Screen.of(self.items[at].box, self.items[at].id)
+        screens = [Screen.of(self.items[at].box, self.items[at].id)
                  for at in self.of("tv_cabinet") if at not in bare]  # fmt: skip
         hung = self.hung or ()
-        if self.hung is None and self.shell.is_lived_in and not found and self.screen:
+        if self.hung is None and self.shell.is_lived_in and not screens and self.screen:
             hung = (self.screen,)
-        return found + [Screen.of(box) for box in hung]
+        return screens + [Screen.of(box) for box in hung]
 
     @cached_property
     def screen(self) -> Box | None:
@@ -294,8 +294,8 @@ def distances(points: FloatArray, segments: FloatArray) -> FloatArray:
     y = points[:, 1:] - start[:, 1]
     t = (x * run_x + y * run_y) / np.maximum(run_x * run_x + run_y * run_y, 1e-12)
     t = np.minimum(np.maximum(t, 0.0), 1.0)
-    found: FloatArray = np.hypot(x - t * run_x, y - t * run_y)
-    return found
+    away: FloatArray = np.hypot(x - t * run_x, y - t * run_y)
+    return away
 
 
 def clipped(ends: FloatArray, across: tuple[float, float], along: tuple[float, float]) -> float:
@@ -331,8 +331,8 @@ class HomeView:
         hangs."""
         if any(room.televisions for room in self.rooms):
             return None
-        own = [room for room in self.rooms if room.shell.kind == "bedroom" and room.hung is None]
-        bedrooms = [room for room in own if room.screen]
+        bare = (r for r in self.rooms if r.shell.kind == "bedroom" and r.hung is None)
+        bedrooms = [room for room in bare if room.screen]
         return max(bedrooms, key=lambda room: room.shell.area_m2, default=None)
 
     def of(self, *categories: str) -> list[tuple[View, int]]:
