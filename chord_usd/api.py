@@ -122,14 +122,14 @@ class House:
 
         from chord_usd.line.image.preview import storeys_rgb
 
-        return Image.fromarray(storeys_rgb([storey.told for storey in self._seen()]))
+        return Image.fromarray(storeys_rgb([storey.drawn_graph for storey in self._seen()]))
 
     def check(self) -> Report:
         """What `chord-usd check` measures: `report.holds` is the certificate, `report.collisions`
         and others say what is wrong; paths are prim paths. Raises StageError."""
         from chord_usd.line.stage.check.check_stage import check_stage
 
-        return check_stage(self.path, own=self._is_as_written())
+        return check_stage(self.path, trusted=self._is_as_written())
 
     def render(
         self,

@@ -49,7 +49,7 @@ def staged(house: object, folder: Path, settings: Settings) -> Path:
     (folder / "scene.json").write_text(json.dumps(house))
     graph = settle(read_scene_file(folder / "scene.json", settings), settings)
     stage = write_stage(graph, folder / "house.usda", settings).path
-    check_stage(stage, own=True)
+    check_stage(stage, trusted=True)
     return stage
 
 

@@ -80,7 +80,7 @@ def test_an_artist_s_choices_are_told(before: Path, tmp_path: Path) -> None:
     UsdGeom.Imageable(lamp).MakeInvisible()
     stage.Save()
     texts = [f"{change.path} {change.text}" for change in diff_stages(before, after)]
-    assert "/House wears another lighting: day became evening" in texts
+    assert "/House uses another lighting: day became evening" in texts
     assert "/House/Lighting/Sun is gone" in texts
     assert f"{lamp.GetPath()} visibility: nothing became invisible" in texts
     assert any("inputs:width" in text and text.endswith("0.5") for text in texts)
@@ -91,7 +91,7 @@ def test_other_looks_are_told_by_name(
 ) -> None:
     first = author_stage(staged_graph, tmp_path / "a.usda", looks=looks_of(1)).path
     second = author_stage(staged_graph, tmp_path / "b.usda", looks=looks_of(2)).path
-    assert any("wears another wallMaterial" in c.text for c in diff_stages(first, second))
+    assert any("uses another wallMaterial" in c.text for c in diff_stages(first, second))
 
 
 def test_a_file_that_is_no_stage(before: Path, tmp_path: Path) -> None:

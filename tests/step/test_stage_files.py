@@ -108,7 +108,7 @@ def test_a_second_house_of_a_folder_is_whole_before_it_is_delivered(
     with deliver() as delivery:
         path = delivery.place(tmp_path / "two.usda")
         author_stage(staged_graph, path)
-        assert "CHORD008" not in {error.rule for error in check_stage(path, own=True).errors}
+        assert "CHORD008" not in {error.rule for error in check_stage(path, trusted=True).errors}
 
 
 def test_two_packages_of_one_name_stay_apart(

@@ -29,7 +29,7 @@ def certified(stage: Path, watch: Stopwatch, standard: str = "") -> dict[str, An
         from chord_usd.base.metrics.design.standard import standards_in
         from chord_usd.line.stage.check.check_stage import certificate, check_stage
 
-        return certificate(check_stage(stage, own=True, standards=standards_in(standard)))
+        return certificate(check_stage(stage, trusted=True, standards=standards_in(standard)))
 
 
 def holds(check: dict[str, Any] | None) -> bool:

@@ -28,7 +28,7 @@ def draw_report(stage: Path, report: Report, target: Path) -> None:
     seen = [house.scene.entered_graph for house in houses]
     with deliver() as delivery:
         draw_storeys(
-            [house.told for house in houses],
+            [house.drawn_graph for house in houses],
             delivery.place(target),
             [marks_of(report, graph, seen) for graph in seen],
         )

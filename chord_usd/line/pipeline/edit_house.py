@@ -282,7 +282,7 @@ def _write(
 
     def accept(staged: Path) -> None:
         with watch.step("check"):
-            found.append(check_stage(staged, own=True))
+            found.append(check_stage(staged, trusted=True))
             if not force:
                 _refuse_worse(reading.source, edits, found[0], planned)
         if dry_run:

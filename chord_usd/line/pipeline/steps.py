@@ -157,9 +157,9 @@ def plan_limits(plans: Sequence[Plan], settings: Settings) -> list[str]:
 def refuse_roof(plan: Plan, settings: Settings) -> None:
     """Raises PlanError for a roof that does not fit over a plan."""
     if settings.roof != NO_ROOF:
-        from chord_usd.line.stage.shell.roof import refuse_odd_roof
+        from chord_usd.line.stage.shell.roof import require_roof
 
-        refuse_odd_roof(plan, settings.roof)
+        require_roof(plan, settings.roof)
 
 
 def require_lists(settings: Settings) -> None:

@@ -1,6 +1,6 @@
 """Who made the pieces and skies of a house: many licences ask for the name beside the work.
 
-Components and skies keep the licence and the author that their library told. What is drawn here
+Components and skies keep the licence and the author that their library states. What is drawn here
 asks for nothing, so only a house with work by others has a text file `NAME_attribution.txt` beside
 it; beside an archive too, which may hold nothing but what USD reads.
 """
@@ -27,27 +27,27 @@ def write_attribution(layer: Sdf.Layer, folders: Sequence[Path], staged: Path, f
     """Write the names of those who made the house's pieces, if others than this program did.
 
     folders: where the packages that the layer refers to are. staged: the stage being written.
-    final: what it becomes; names that stand beside it already are written anew.
+    final: what it becomes; names that stand beside it already are written again.
     """
     made, skies = sorted(_made_by_others(layer, folders)), sorted(_skies(layer))
     if made or skies or attribution_file(final).exists():
         lines = made or ["All pieces were drawn by this program and are free to use."]
-        told = ["", f"Skies over {final.name}", "", *skies] if skies else []
-        text = "\n".join([f"Furniture in {final.name}", "", *lines, *told, ""])
+        sky_lines = ["", f"Skies over {final.name}", "", *skies] if skies else []
+        text = "\n".join([f"Furniture in {final.name}", "", *lines, *sky_lines, ""])
         attribution_file(staged).write_text(text, encoding="utf-8")
 
 
 def _made_by_others(layer: Sdf.Layer, folders: Sequence[Path]) -> Iterator[str]:
     """A line for each component that has another author."""
-    own = [folder.resolve() for folder in folders]
+    roots = [folder.resolve() for folder in folders]
     for path in _referred_to(layer):
-        found = next((folder / path for folder in own if _holds(folder, path)), None)
-        component = open_layer(found) if found else None
+        source = next((folder / path for folder in roots if _holds(folder, path)), None)
+        component = open_layer(source) if source else None
         root = component.GetPrimAtPath(f"/{component.defaultPrim}") if component else None
-        told = root.customData.get("chord", {}) if root else {}
-        if root and told and told.get("author") != AUTHOR:
-            author, licence = (told.get(key) or _UNKNOWN for key in ("author", "licence"))
-            yield f"{told.get('label') or root.name} ({path}): author {author}, licence {licence}"
+        facts = root.customData.get("chord", {}) if root else {}
+        if root and facts and facts.get("author") != AUTHOR:
+            author, licence = (facts.get(key) or _UNKNOWN for key in ("author", "licence"))
+            yield f"{facts.get('label') or root.name} ({path}): author {author}, licence {licence}"
 
 
 def _skies(layer: Sdf.Layer) -> set[str]:
@@ -57,10 +57,10 @@ def _skies(layer: Sdf.Layer) -> set[str]:
     def visit(path: Sdf.Path) -> None:
         prim = layer.GetPrimAtPath(path) if path.IsPrimPath() else None
         if prim and prim.typeName == "DomeLight" and "chord" in prim.customData:
-            told = prim.customData["chord"]
-            author, licence = (told.get(key) or _UNKNOWN for key in ("author", "licence"))
+            facts = prim.customData["chord"]
+            author, licence = (facts.get(key) or _UNKNOWN for key in ("author", "licence"))
             file = prim.attributes["inputs:texture:file"].default.path.removeprefix("./")
-            lines.add(f"{told.get('label')} ({file}): author {author}, licence {licence}")
+            lines.add(f"{facts.get('label')} ({file}): author {author}, licence {licence}")
 
     layer.Traverse(Sdf.Path.absoluteRootPath, visit)
     return lines
@@ -81,7 +81,11 @@ def _referred_to(layer: Sdf.Layer) -> set[str]:
         prim = layer.GetPrimAtPath(path) if path.IsPrimPath() else None
         if prim:
             references = prim.referenceList.prependedItems
-            paths.update(one.assetPath.removeprefix("./") for one in references if one.assetPath)
+            paths.update(
+                reference.assetPath.removeprefix("./")
+                for reference in references
+                if reference.assetPath
+            )
 
     layer.Traverse(Sdf.Path.absoluteRootPath, visit)
     return paths

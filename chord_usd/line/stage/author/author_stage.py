@@ -38,7 +38,7 @@ from chord_usd.line.stage.author.furniture import (
     place_furniture,
 )
 from chord_usd.line.stage.author.lighting import hang_lamps, hang_light, set_lighting
-from chord_usd.line.stage.author.look_variants import wear_looks
+from chord_usd.line.stage.author.look_variants import assign_looks
 from chord_usd.line.stage.author.names import NamedRoom
 from chord_usd.line.stage.author.physics import write_gravity
 from chord_usd.line.stage.author.prims import (
@@ -90,7 +90,7 @@ def author_stage(
     folder share the latter two. `.usdz` packs all of it into one file. Same graph, same seed: same
     bytes. Nothing is left behind on failure.
 
-    looks: where those of walls and floors come from; without, surfaces are plain. style: name of a
+    looks: source of the looks of walls and floors; without, surfaces are plain. style: name of a
     style; by default that of the graph, and where that has none, one by the seed. sky: name of one
     (scene.skies), or an HDRI's file. articulation: whether doors and drawers of furniture open
     (scene.articulation). roof: what its variant set `roof` offers beside none (stage.roof).
@@ -190,7 +190,7 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
                 if room.room.id not in level.rising:  # those have no ceiling
                     lamps.append(hang_light(layer, room, level.walls))
                 lamps += hang_lamps(layer, room.path, (target.parent, final))
-            wear_looks(layer, level, house.looks, materials, house.seed)
+            assign_looks(layer, level, house.looks, materials, house.seed)
     share_looks(layer, architecture)
     set_lighting(layer, lamps, house.levels[0].walls, architecture, house.sky)
     _order_prims(layer, house.rooms)
@@ -304,7 +304,7 @@ def _collect(layer: Sdf.Layer, group: str) -> None:
     house, name = layer.GetPrimAtPath("/House"), group.lower()
     apply_schema(house, f"CollectionAPI:{name}")
     groups = [room.nameChildren.get(group) for room in room_specs(layer)]
-    relate(house, f"collection:{name}:includes", [one.path for one in groups if one])
+    relate(house, f"collection:{name}:includes", [spec.path for spec in groups if spec])
 
 
 def _pack(house: _House, target: Path, final: Path) -> str:

@@ -22,7 +22,7 @@ SHARE, FINDINGS = "design_share", "design_findings"
 
 
 def note_design(layer: Sdf.Layer, levels: Sequence[Level]) -> None:
-    """Note the planning rules of each room; an edit of one changes those of the home, too."""
+    """Note the planning rules of each room; an edit of one changes the home's rules, too."""
     design = design_of([level.graph for level in levels])
     paths = {room.room.id: room.path for level in levels for room in level.rooms}
     by_room: dict[str, list[Judged]] = {}

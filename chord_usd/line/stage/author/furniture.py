@@ -65,8 +65,8 @@ def place_furniture(
 ) -> None:
     """Write the Furniture group of a room.
 
-    scratch: a folder that is thrown away later, where a placeholder can be drawn. wardrobe: which
-    variants of its components the furniture wears.
+    scratch: a folder that is thrown away later, where a placeholder can be drawn. wardrobe: selects
+    the variants of its components.
     """
     _place_all(layer, FURNITURE, room.items, _Shop(room, assets, scratch, wardrobe))
 
@@ -104,12 +104,12 @@ class _Shop:
     @cached_property
     def carriers(self) -> dict[str, Item]:
         """Furniture and dressing of the room, by id."""
-        return {one.item.id: one.item for one in (*self.named.items, *self.named.dressing)}
+        return {named.item.id: named.item for named in (*self.named.items, *self.named.dressing)}
 
     def carrier_of(self, item: Item) -> NamedItem | None:
         """The furniture of the room on which a thing rests."""
         rests_on = item.facts.rests_on
-        return next((one for one in self.named.items if one.item.id == rests_on), None)
+        return next((named for named in self.named.items if named.item.id == rests_on), None)
 
 
 def extent_of(items: Iterable[Item]) -> FloatArray:

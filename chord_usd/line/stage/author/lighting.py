@@ -48,8 +48,8 @@ _SKY_PX = (64, 64)
 """Width and height of a drawn sky's picture; it only varies with height."""
 
 _CREDIT = {"author": "Greg Zaal, Poly Haven", "licence": "CC0"}
-"""Of the HDRIs of Blender's wheel, as told beside them; our carrying them without their sun is a
-change that CC0 allows."""
+"""Of the HDRIs of Blender's wheel, as stated beside them; CC0 allows us to carry them without their
+sun."""
 
 Stops = Sequence[tuple[float, Rgb]]
 
@@ -123,8 +123,8 @@ def forget(house: Sdf.PrimSpec, lamps: Iterable[Sdf.Path]) -> None:
 
 def variants_of(house: Sdf.PrimSpec) -> Mapping[Time, Sdf.PrimSpec]:
     """What each choice of `lighting` says, in a house that was written before."""
-    found = house.variantSets["lighting"].variants if "lighting" in house.variantSets else {}
-    return {time: found[time].primSpec for time in TIMES if time in found}
+    variants = house.variantSets["lighting"].variants if "lighting" in house.variantSets else {}
+    return {time: variants[time].primSpec for time in TIMES if time in variants}
 
 
 def sun_yaw_deg(walls: Walls) -> float:
@@ -322,10 +322,10 @@ def _frame(spec: Sdf.PrimSpec) -> FloatArray:
 
 
 def _light_of(spec: Sdf.PrimSpec, folders: Sequence[Path]) -> Mapping[str, Any]:
-    """What a component tells of its light; empty for what is no lamp."""
+    """Notes of a component about its light; empty for a component that is no lamp."""
     name = spec.referenceList.prependedItems[0].assetPath.removeprefix("./")
     file = next((folder / name for folder in folders if (folder / name).is_file()), None)
     component = open_layer(file) if file else None
     root = component.GetPrimAtPath(f"/{component.defaultPrim}") if component else None
-    told: Mapping[str, Any] = (root.customData.get("chord", {}) if root else {}).get("light", {})
-    return told
+    facts: Mapping[str, Any] = (root.customData.get("chord", {}) if root else {}).get("light", {})
+    return facts

@@ -41,17 +41,17 @@ _ONE_FLOOR: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "dining", "s
 _LEAST_BORDER_M = 0.5
 
 
-def wear_looks(
+def assign_looks(
     layer: Sdf.Layer, level: Level, looks: LookSource | None, materials: Packages, seed: int
 ) -> None:
     """Write the variant sets floorMaterial and wallMaterial of a storey's rooms.
 
-    Rooms of an open plan wear what the leading one does: floor and walls run on.
+    Rooms of an open plan take the looks of the leading room: floor and walls run on.
     """
     leading = _leading_rooms(level)
     for room in level.rooms:
         as_in = leading.get(room.room.id, room)
-        _wear_looks(layer, room, as_in, level.walls.floors_m[as_in.index], looks, materials, seed)
+        _assign_looks(layer, room, as_in, level.walls.floors_m[as_in.index], looks, materials, seed)
 
 
 def _leading_rooms(level: Level) -> dict[str, NamedRoom]:
@@ -60,16 +60,16 @@ def _leading_rooms(level: Level) -> dict[str, NamedRoom]:
     rooms = [room for room in level.rooms if room.room.kind in _ONE_FLOOR]
     floors = [level.walls.floors_m[room.index] for room in rooms]
     borders = seams(floors, GRID_M)
-    touching = [(one, other) for one, other, line in borders if line.length > _LEAST_BORDER_M]
+    touching = [(first, second) for first, second, line in borders if line.length > _LEAST_BORDER_M]
     leading = {}
     for group in hanging_together(len(rooms), touching):
-        own = [rooms[index] for index in group]
-        first = min(own, key=lambda room: (_ONE_FLOOR.index(room.room.kind), room.index))
-        leading.update(dict.fromkeys((room.room.id for room in own), first))
+        members = [rooms[index] for index in group]
+        first = min(members, key=lambda room: (_ONE_FLOOR.index(room.room.kind), room.index))
+        leading.update(dict.fromkeys((room.room.id for room in members), first))
     return leading
 
 
-def _wear_looks(
+def _assign_looks(
     layer: Sdf.Layer,
     room: NamedRoom,
     as_in: NamedRoom,

@@ -129,7 +129,7 @@ def _by_room(items: Iterable[Item], place: _Places) -> list[list[Item]]:
 def name_items(items: Sequence[Item], taken: set[str]) -> tuple[NamedItem, ...]:
     """Items under their category's label, numbered in their order: Desk_0, Chair_0, Chair_1.
 
-    taken: names of the house that are given already; gets those of the items and their children.
+    taken: names already in use in the house; the names of items and their children are added.
     """
     labels = [identifier(category(item.category).label) for item in items]
     return tuple(
@@ -150,7 +150,7 @@ def room_title(room: Room, shown: str, rooms: Sequence[Room]) -> str:
     numbered from 1 where there are several. Ids are the names of prims."""
     if shown and shown != room.id:
         return shown
-    of_kind = [one.id for one in rooms if one.kind == room.kind]
+    of_kind = [other.id for other in rooms if other.kind == room.kind]
     number = f" {of_kind.index(room.id) + 1}" if len(of_kind) > 1 else ""
     return f"{spoken(room_label(room))}{number}"
 
@@ -161,13 +161,13 @@ def room_label(room: Room) -> str:
 
 
 def printable(text: str) -> str:
-    """Text in one line, without what no printer knows."""
-    return " ".join("".join(one if one.isprintable() else " " for one in text).split())
+    """Text in one line, without characters that cannot be printed."""
+    return " ".join("".join(char if char.isprintable() else " " for char in text).split())
 
 
 def spoken(label: str) -> str:
     """LivingRoom as people write it: Living Room."""
-    return "".join(f" {one}" if one.isupper() else one for one in label).strip()
+    return "".join(f" {char}" if char.isupper() else char for char in label).strip()
 
 
 def _openings(

@@ -125,21 +125,22 @@ def hold(
 
 
 def write_feel(material: Sdf.PrimSpec, feel: Feel) -> None:
-    """Make a material one that is felt, too."""
+    """Make a material a physics material, too."""
     apply_schema(material, "PhysicsMaterialAPI")
     for name, value in feel.attributes().items():
         attribute(material, name, Types.Float, value)
 
 
 def define_colliders(layer: Sdf.Layer, path: Sdf.Path) -> Sdf.PrimSpec:
-    """The scope of what is felt, not seen; readers that leave that out leave the scope out, too."""
+    """The scope of colliders, which are not seen; readers that leave guides out leave it out,
+    too."""
     scope = define(layer, path, "Scope")
     attribute(scope, "purpose", Types.Token, "guide", uniform=True)
     return scope
 
 
 def write_collider(layer: Sdf.Layer, path: Sdf.Path, box: Box, material: Sdf.Path) -> None:
-    """A box that is not seen but felt like a material; its size is also its scale."""
+    """An unseen box that collides, bound to a physics material; its size is also its scale."""
     cube = define(layer, path, "Cube")
     apply_schema(cube, "PhysicsCollisionAPI", "MaterialBindingAPI")
     relate(cube, "material:binding:physics", [material])
@@ -152,7 +153,7 @@ def write_collider(layer: Sdf.Layer, path: Sdf.Path, box: Box, material: Sdf.Pat
 
 
 def write_hull(layer: Sdf.Layer, path: Sdf.Path, mesh: Mesh, material: Sdf.Path) -> None:
-    """A mesh whose hull is not seen but felt like a material."""
+    """A mesh whose unseen hull collides, bound to a physics material."""
     prim = write_mesh(layer, path, mesh)
     apply_schema(prim, "PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "MaterialBindingAPI")
     attribute(prim, "physics:approximation", Types.Token, "convexHull", uniform=True)

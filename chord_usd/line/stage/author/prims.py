@@ -115,9 +115,9 @@ def label(prim: Sdf.PrimSpec, taxonomy: str, name: str) -> None:
 
     A category is said as `class`, too, which is what simulators of robots filter by.
     """
-    for one in (taxonomy, "class") if taxonomy == "category" else (taxonomy,):
-        apply_schema(prim, f"SemanticsLabelsAPI:{one}")
-        attribute(prim, f"semantics:labels:{one}", Types.TokenArray, Vt.TokenArray([name]))
+    for instance in (taxonomy, "class") if taxonomy == "category" else (taxonomy,):
+        apply_schema(prim, f"SemanticsLabelsAPI:{instance}")
+        attribute(prim, f"semantics:labels:{instance}", Types.TokenArray, Vt.TokenArray([name]))
 
 
 def place(
@@ -157,7 +157,7 @@ def identify(prim: Sdf.PrimSpec, name: str, file: str) -> None:
 
 
 def bind(prim: Sdf.PrimSpec, material: Sdf.Path | str) -> None:
-    """Let prim wear a material."""
+    """Bind prim to a material."""
     apply_schema(prim, "MaterialBindingAPI")
     relate(prim, "material:binding", [material])
 

@@ -1,14 +1,14 @@
 """Looks that the pieces of a house share, each of them once.
 
-    /House/Looks/PaleOak                       what all that is of pale oak wears
-    /__class__/Desk_A{looks=house}…            lets the pieces of a component wear it, and leaves
+    /House/Looks/PaleOak                       bound to all parts of pale oak
+    /__class__/Desk_A{looks=house}…            binds the pieces of a component to it, and leaves
                                                out the component's own Materials
 
 A component brings the materials of its parts, so a house would have nine hundred of them where two
-hundred differ, and readers make each anew. The class is the one that the component itself inherits,
-and what it says holds for the colourways and metals that the house wears: one that is chosen later
-wears the component's own, and so does a piece without the variant. All of it is in a sublayer of
-the house, in its architecture folder.
+hundred differ, and readers build each of them. The component itself inherits the class, whose
+bindings hold for the colourways and metals that the house selects. A colourway that is selected
+later uses the component's own looks, and so does a piece without the variant. All of it is in a
+sublayer of the house, in its architecture folder.
 """
 
 from __future__ import annotations
@@ -38,24 +38,24 @@ from chord_usd.line.stage.export.packages import SHARED
 LOOKS = "/House/Looks"
 LOOKS_LAYER = "Looks.usdc"
 LOOKS_SET, OF_HOUSE = "looks", "house"
-"""The variant set, and the variant of pieces that wear the looks of the house."""
+"""The variant set, and the variant of pieces that use the looks of the house."""
 
 _LOOK = "chord:look"
-"""Attribute by which a component tells which of its materials are of one look."""
+"""Attribute of a component's materials: the look that each has."""
 
 _PAYLOADS = {FIXED: PAYLOAD_LAYER, JOINTED: JOINTED_LAYER}
 _STRONGEST_FIRST = (ARTICULATION, "metal", "colour")
-"""The variant sets of components that say what is worn."""
+"""The variant sets of components that select materials."""
 
 _GLOW, _PICTURE = "inputs:emissiveColor", "Texture"
-_FELT, _FELT_BY = "Felt", "physics:"
+_FELT, _PHYSICS = "Felt", "physics:"
 
 _Choice = tuple[tuple[str, str], ...]
 """Variants that are chosen, by their sets."""
 
 
 def share_looks(layer: Sdf.Layer, folder: Path) -> None:
-    """Let the pieces of a house wear looks that they share, in a sublayer in folder.
+    """Bind the pieces of a house to looks that they share, in a sublayer in folder.
 
     layer: of the house, with its pieces. folder: beside the layer's file, as are its assets.
     """
@@ -150,8 +150,10 @@ class _Component:
         return open_layer(path) if path else None
 
     def share(self, shelf: _Shelf, choice: _Choice) -> bool:
-        """Write into its class what lets pieces in these variants wear looks of the house; False,
-        and nothing written, where it does not tell them apart."""
+        """Write bindings of pieces in these variants to the looks of the house into its class.
+
+        Returns False, and writes nothing, where a material has no note of its look.
+        """
         scope = self._payload and self._payload.GetPrimAtPath(f"/{self._name}/Materials")
         if not scope or not self._shapes:
             return False
@@ -160,8 +162,8 @@ class _Component:
             return False
         looks = {slot.path: self._look(slot, shelf) for slot in slots}
         feels = {slot.path: self._feel(slot, shelf) for slot in slots}
-        own = _variant_of_class(shelf.layer, self._name, choice)
-        over(own, "Materials").SetInfo("active", False)
+        variant = _variant_of_class(shelf.layer, self._name, choice)
+        over(variant, "Materials").SetInfo("active", False)
         root = self._shapes.GetPrimAtPath(f"/{self._name}")
         bound_to = {"material:binding": looks, "material:binding:physics": feels}
         for part in root.nameChildren:
@@ -171,7 +173,7 @@ class _Component:
                     target = bound_to.get(bound.name, {}).get(slot_path)
                     if target:
                         names = str(prim.path.MakeRelativePath(root.path)).split("/")
-                        spec = Sdf.RelationshipSpec(over(own, *names), bound.name, custom=False)
+                        spec = Sdf.RelationshipSpec(over(variant, *names), bound.name, custom=False)
                         spec.targetPathList.explicitItems = [target]
         return True
 
@@ -187,9 +189,9 @@ class _Component:
     def _value(self, slot: Sdf.PrimSpec, name: str) -> Any:
         """Of an attribute of a material, or of a shader in it; None where it has none."""
         for said in self._said_of(slot):
-            found = said.GetAttributeAtPath(name)
-            if found and found.HasDefaultValue():
-                return found.default
+            spec = said.GetAttributeAtPath(name)
+            if spec and spec.HasDefaultValue():
+                return spec.default
         return None
 
     def _look(self, slot: Sdf.PrimSpec, shelf: _Shelf) -> Sdf.Path:
@@ -197,32 +199,33 @@ class _Component:
         look = str(self._value(slot, f".{_LOOK}"))
         # Renderers know by the names of slots what shines; pictures are of the component.
         glows = any(self._value(slot, f"Surface.{_GLOW}") or ())
-        own = self._name if _PICTURE in slot.nameChildren else ""
-        key = (look, slot.name if glows else "", own)
-        found = shelf.find(key)
-        if found is None:
+        component = self._name if _PICTURE in slot.nameChildren else ""
+        key = (look, slot.name if glows else "", component)
+        path = shelf.find(key)
+        if path is None:
             name = look.rpartition("_")[0].title().replace("_", "")
-            found = shelf.add(key, slot.name if glows else Tf.MakeValidIdentifier(name))
-            self._copy(slot, shelf.layer, found)
-        return found
+            path = shelf.add(key, slot.name if glows else Tf.MakeValidIdentifier(name))
+            self._copy(slot, shelf.layer, path)
+        return path
 
     def _feel(self, slot: Sdf.PrimSpec, shelf: _Shelf) -> Sdf.Path | None:
         """Where the house has what a material feels like; None where nothing touches it."""
-        # Leaves are felt where the piece in one is not, and say so themselves.
+        # The leaves of a jointed piece collide where the fixed piece does not; they have a note of
+        # it.
         moved = self._shapes and self._shapes.GetPrimAtPath(slot.path)
-        own = {one.name: one for said in (moved, slot) if said for one in said.attributes}
-        told = [one for name, one in own.items() if name.startswith(_FELT_BY)]
-        if not told:
+        by_name = {spec.name: spec for said in (moved, slot) if said for spec in said.attributes}
+        physics = [spec for name, spec in by_name.items() if name.startswith(_PHYSICS)]
+        if not physics:
             return None
-        key = tuple((one.name, one.default) for one in told)
-        found = shelf.find(key)
-        if found is None:
-            found = shelf.add(key, _FELT)
-            material = define(shelf.layer, found, "Material")
+        key = tuple((spec.name, spec.default) for spec in physics)
+        path = shelf.find(key)
+        if path is None:
+            path = shelf.add(key, _FELT)
+            material = define(shelf.layer, path, "Material")
             apply_schema(material, "PhysicsMaterialAPI")
-            for one in told:
-                attribute(material, one.name, one.typeName, one.default)
-        return found
+            for spec in physics:
+                attribute(material, spec.name, spec.typeName, spec.default)
+        return path
 
     def _copy(self, slot: Sdf.PrimSpec, layer: Sdf.Layer, path: Sdf.Path) -> None:
         """The material as it is in these variants, without what nothing reads."""
@@ -236,36 +239,38 @@ class _Component:
                     made.specifier, made.typeName = prim.specifier, prim.typeName
                 if prim.HasInfo("apiSchemas"):
                     named = prim.GetInfo("apiSchemas").GetAppliedItems()
-                    apply_schema(made, *(one for one in named if not one.startswith("Physics")))
-                for one in prim.attributes:
-                    if not one.name.startswith(_FELT_BY):
-                        self._copy_attribute(one, made, slot.path, path)
+                    apply_schema(
+                        made, *(schema for schema in named if not schema.startswith("Physics"))
+                    )
+                for spec in prim.attributes:
+                    if not spec.name.startswith(_PHYSICS):
+                        self._copy_attribute(spec, made, slot.path, path)
         material = layer.GetPrimAtPath(path)
         surface = material.nameChildren["Surface"]
-        if not any(one.connectionPathList.explicitItems for one in surface.attributes):
+        if not any(spec.connectionPathList.explicitItems for spec in surface.attributes):
             for name in {*material.nameChildren.keys()} - {"Surface"}:
                 del material.nameChildren[name]
 
     def _copy_attribute(
-        self, one: Sdf.AttributeSpec, prim: Sdf.PrimSpec, was: Sdf.Path, now: Sdf.Path
+        self, source: Sdf.AttributeSpec, prim: Sdf.PrimSpec, was: Sdf.Path, now: Sdf.Path
     ) -> None:
-        spec = prim.attributes.get(one.name) or Sdf.AttributeSpec(
-            prim, one.name, one.typeName, one.variability, one.custom
+        spec = prim.attributes.get(source.name) or Sdf.AttributeSpec(
+            prim, source.name, source.typeName, source.variability, source.custom
         )
-        value = one.default
+        value = source.default
         if isinstance(value, Sdf.AssetPath):
-            folder = Path(one.layer.realPath).parent
+            folder = Path(source.layer.realPath).parent
             value = Sdf.AssetPath(self._seen_from_looks(folder / value.path))
         if value is not None:
             spec.default = value
-        if one.HasInfo("connectionPaths"):
+        if source.HasInfo("connectionPaths"):
             read = [
-                path.ReplacePrefix(was, now) for path in one.connectionPathList.GetAppliedItems()
+                path.ReplacePrefix(was, now) for path in source.connectionPathList.GetAppliedItems()
             ]
             spec.connectionPathList.explicitItems = read
 
     def _seen_from_looks(self, file: Path) -> str:
-        """A picture of a component: that which all share, so that readers load it once."""
+        """A picture of a component: the copy that all share, so that readers load it once."""
         assets = self._interface.parent.parent
         shared = assets / SHARED / file.name
         if shared.is_file():
@@ -280,7 +285,7 @@ def _below(prim: Sdf.PrimSpec) -> Iterator[Sdf.PrimSpec]:
 
 
 def _variant_of_class(layer: Sdf.Layer, name: str, choice: _Choice) -> Sdf.PrimSpec:
-    """What a component's class says of pieces that wear these variants and looks of the house."""
+    """The part of a component's class for pieces in these variants with looks of the house."""
     prim = Sdf.CreatePrimInLayer(layer, f"/__class__/{name}")
     prim.specifier = prim.nameParent.specifier = Sdf.SpecifierClass
     for set_name, variant in ((LOOKS_SET, OF_HOUSE), *choice):
@@ -288,6 +293,6 @@ def _variant_of_class(layer: Sdf.Layer, name: str, choice: _Choice) -> Sdf.PrimS
         if variants is None:
             variants = Sdf.VariantSetSpec(prim, set_name)
             prim.variantSetNameList.prependedItems.append(set_name)
-        found = variants.variants.get(variant) or Sdf.VariantSpec(variants, variant)
-        prim = found.primSpec
+        chosen = variants.variants.get(variant) or Sdf.VariantSpec(variants, variant)
+        prim = chosen.primSpec
     return prim

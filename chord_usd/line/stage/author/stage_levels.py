@@ -78,14 +78,16 @@ def levels_of(building: Building, graphs: Sequence[SceneGraph]) -> list[Level]:
         level = Level(graph, rooms, build_walls(graph.plan), group, storey.name, storey.elevation_m)
         for climb in building.climbs:
             if climb.storey == storey.index:
-                own = Rising(climb.built, climb.foot.joined, climb.top.joined)
-                level.rising.setdefault(climb.foot.room, []).append(own)
+                rising = Rising(climb.built, climb.foot.joined, climb.top.joined)
+                level.rising.setdefault(climb.foot.room, []).append(rising)
             elif climb.storey == storey.index - 1:
                 level.ways.setdefault(climb.top.room, []).extend(climb.built.stepped_m[1])
                 level.holes.extend([climb.top.hole_m] if climb.top.hole_m else [])
                 level.landings.extend([climb.built.landing_m] if climb.built.landing_m else [])
         for cell, ways in level.ways.items():
-            ways += [way for own in level.rising.get(cell, ()) for way in own.built.stepped_m[0]]
+            ways += [
+                way for rising in level.rising.get(cell, ()) for way in rising.built.stepped_m[0]
+            ]
         levels.append(level)
     return levels
 
@@ -117,11 +119,12 @@ STAIR_WALK = "chord:walk_m"
 """Attribute of stairs: (N, 3) the line that one walks up, in the storey's frame."""
 
 
-def note_stair(prim: Sdf.PrimSpec, own: Rising) -> None:
+def note_stair(prim: Sdf.PrimSpec, rising: Rising) -> None:
     """What no mesh of a stair says: the rooms it joins and the line that one walks."""
-    built = own.built
+    built = rising.built
     note(
-        prim, node_id=f"{own.foot}/{built.stair.id}", category="stairs", rooms=(own.foot, own.top),
+        prim, node_id=f"{rising.foot}/{built.stair.id}", category="stairs",
+        rooms=(rising.foot, rising.top),
         form=built.stair.form, rise_m=round(built.rise_m, 4), going_m=round(built.going_m, 4),
     )  # fmt: skip
     line = Vt.Vec3dArray.FromNumpy(built.walk_m.round(4).copy())

@@ -67,10 +67,10 @@ _LEVERS = {
 
 def fitout(style: HomeStyle, home: Agreed) -> Fitout:
     """Ceilings, trim, window frames and doors of a style; levers of the home's metal."""
-    own = {"Ceiling": style.ceiling, "Trim": style.trim, "WindowFrame": style.frames}
+    colours = {"Ceiling": style.ceiling, "Trim": style.trim, "WindowFrame": style.frames}
     coloured = {
         name: replace(PLAIN_SURFACES[name], rgb=(int(c[1:3], 16), int(c[3:5], 16), int(c[5:7], 16)))
-        for name, c in own.items()
+        for name, c in colours.items()
     }
     levers = {"Metal": _LEVERS[metal_like(home.metal)]}
     return Fitout({**PLAIN_SURFACES, **coloured, **levers}, style.doors)
@@ -174,7 +174,7 @@ def opened_picture(data: bytes) -> Image.Image:
 
 
 def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
-    """The material that a prim wears."""
+    """The material that a prim is bound to."""
     return UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0] or None
 
 

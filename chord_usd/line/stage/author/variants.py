@@ -1,4 +1,4 @@
-"""Which variants furniture wears: colourways that go together."""
+"""Selection of furniture's variants: colourways that go together."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _AS_GOOD = 0.05
 
 @dataclass(frozen=True)
 class _Offer:
-    """What a component can wear."""
+    """The variants that a component offers."""
 
     variants: dict[str, list[str]]
     """Names of variants by variant set."""
@@ -34,7 +34,7 @@ class _Offer:
 
 @dataclass
 class Wardrobe:
-    """What there is to wear in a house, and how a room chooses."""
+    """Selects the variants of the pieces of a house, room by room."""
 
     seed: int = 0
     style: HomeStyle | None = None
@@ -76,10 +76,10 @@ class Wardrobe:
         return self._choices[path]
 
     def _colourway(self, offered: _Offer, item: Item, room: Room) -> str:
-        """One of those that suit the home best; which of them, the room and the kind decide."""
+        """A colourway among the best for the home; the room and the kind decide which."""
         names = offered.variants[COLOUR]
         if _is_fitted(item) and self.home is not None:
-            # By the name alone: cabinets over the worktop wear less than those below it.
+            # By the name alone: cabinets over the worktop offer less than cabinets below it.
             fronts = [name for name in (self.home.lacquer, self.home.wood) if name in names]
             if fronts:
                 return fronts[self._draw(f"{room.id}/kitchen", len(fronts))]

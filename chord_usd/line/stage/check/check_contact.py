@@ -71,8 +71,8 @@ class Solid:
     def mass(self) -> tuple[float, FloatArray]:
         """Volume in m³ of a closed mesh, and the (3,) centre of it in metres."""
         low_m = self.bounds_m[0]
-        own = self.triangles_m - low_m
-        a, b, c = (own[:, k] for k in range(3))
+        local_m = self.triangles_m - low_m
+        a, b, c = (local_m[:, k] for k in range(3))
         volumes = np.einsum("ij,ij->i", a, cross(b, c)) / 6
         volume = float(volumes.sum())
         if not volume:
@@ -170,7 +170,7 @@ def collisions(
     underfoot: paths of items that others stand on, compared with walls only. soft: paths of items
     that sink into what carries them, which is not compared with them.
     """
-    found = []
+    pairs = []
     items_at = {item.path for item in items}
     for a, b in _near_pairs(items, walls):
         if (a.path == b.parent and b.path in soft) or (b.path == a.parent and a.path in soft):
@@ -179,8 +179,8 @@ def collisions(
             continue
         depth_m = _depth_m(a, b)
         if depth_m > MIN_DEPTH_M:
-            found.append(Collision(a.path, b.path, round(depth_m, 4)))
-    return found
+            pairs.append(Collision(a.path, b.path, round(depth_m, 4)))
+    return pairs
 
 
 def _near_pairs(items: Sequence[Body], walls: Sequence[Body]) -> Iterator[tuple[Body, Body]]:
@@ -195,9 +195,9 @@ def _near_pairs(items: Sequence[Body], walls: Sequence[Body]) -> Iterator[tuple[
             yield item, bodies[index + 1 + int(other)]
 
 
-def _meets(one: FloatArray, others: FloatArray) -> Any:
+def _meets(box: FloatArray, others: FloatArray) -> Any:
     """(N,) whether the box (2, 3) meets each of the boxes (N, 2, 3)."""
-    return ((one[0] <= others[:, 1]) & (others[:, 0] <= one[1])).all(axis=1)
+    return ((box[0] <= others[:, 1]) & (others[:, 0] <= box[1])).all(axis=1)
 
 
 def _depth_m(a: Body, b: Body) -> float:
@@ -272,13 +272,13 @@ def unsupported(
     if not carriers:
         return []
     bounds = np.array([body.bounds_m for body in carriers])
-    found = []
+    paths = []
     for item in items:
         reach = item.bounds_m + np.array([[-SUPPORT_GAP_M], [SUPPORT_GAP_M]])
         below = [carriers[int(k)] for k in np.flatnonzero(_meets(reach, bounds))]
         if not _stands(item, [body for body in below if body is not item]) and not is_held(item):
-            found.append(item.path)
-    return found
+            paths.append(item.path)
+    return paths
 
 
 def _stands(item: Body, carriers: Sequence[Body]) -> bool:

@@ -54,7 +54,7 @@ def count_objects(graph: SceneGraph) -> Objects:
         total=_count((*graph.items, *graph.dressing)),
         median=median([count for _, count in counts] or [0]),
         least=min((count for _, count in counts), default=0),
-        by_kind={kind: median([n for one, n in counts if one == kind]) for kind in kinds},
+        by_kind={kind: median([n for of, n in counts if of == kind]) for kind in kinds},
     )
 
 
@@ -63,12 +63,12 @@ def measure_dressing(stage: Usd.Stage, storeys: Sequence[StageScene]) -> Dressin
     graphs = [scene.graph for scene in storeys]
     dressed = windows = 0
     for graph in graphs:
-        hung = [footprint_polygon(one.box) for one in graph.dressing if _is_at_window(one)]
-        own = [footprint_polygon(one.box) for one in _windows(graph)]
-        dressed += sum(bool((shapely.distance(hung, one) <= WINDOW_GAP_M).any()) for one in own)
-        windows += len(own)
-    mirrored = {one.room_id for graph in graphs for one in graph.dressing
-                if one.category == "mirror"}  # fmt: skip
+        hung = [footprint_polygon(item.box) for item in graph.dressing if _is_at_window(item)]
+        panes = [footprint_polygon(window.box) for window in _windows(graph)]
+        dressed += sum(bool((shapely.distance(hung, pane) <= WINDOW_GAP_M).any()) for pane in panes)
+        windows += len(panes)
+    mirrored = {item.room_id for graph in graphs for item in graph.dressing
+                if item.category == "mirror"}  # fmt: skip
     basins = {item.room_id for graph in graphs for item in graph.items
               if item.category == "washbasin"}  # fmt: skip
     rooms = [room for graph in graphs for room in graph.rooms if room.kind in WET_KINDS]
@@ -91,9 +91,11 @@ def _count(items: Iterable[Item]) -> int:
 
 def _windows(graph: SceneGraph) -> list[Opening]:
     lived_in = {room.id for room in rooms_to_furnish(graph.rooms)}
-    windows = [one for one in graph.openings if one.kind == "window"]
+    windows = [opening for opening in graph.openings if opening.kind == "window"]
     beside = zip(windows, rooms_beside(windows, graph.rooms), strict=True)
-    return [one for one, sides in beside if any(side and side.id in lived_in for side in sides)]
+    return [
+        window for window, sides in beside if any(side and side.id in lived_in for side in sides)
+    ]
 
 
 def _is_at_window(item: Item) -> bool:
@@ -109,10 +111,10 @@ def _textured_area(stage: Usd.Stage, storeys: Sequence[StageScene]) -> float:
     bodies = (body for scene in storeys for body in scene.items)
     for solid in (solid for body in bodies for solid in body.solids):
         mesh = stage.GetPrimAtPath(solid.path)
-        own = mesh.GetPrimInPrototype() if mesh.IsInstanceProxy() else mesh
-        path = own.GetPath()
+        source = mesh.GetPrimInPrototype() if mesh.IsInstanceProxy() else mesh
+        path = source.GetPath()
         if path not in meshes:
-            meshes[path] = _is_textured(bound_material(own), materials)
+            meshes[path] = _is_textured(bound_material(source), materials)
         all_m2 += solid.area_m2
         textured_m2 += solid.area_m2 * meshes[path]
     return _share(textured_m2, all_m2)

@@ -51,10 +51,18 @@ class Held:
         self._bodies = {body.path: body for body in scene.items}
         self._floors = {room.id: room_polygon(room) for room in graph.rooms}
         # Curtains hang beside glass doors, too.
-        windows = [footprint_polygon(one.box) for one in graph.openings if one.kind != "passage"]
+        windows = [
+            footprint_polygon(opening.box)
+            for opening in graph.openings
+            if opening.kind != "passage"
+        ]
         self._windows = shapely.union_all(windows)
         self._panels = shapely.union_all(
-            [footprint_polygon(one.box) for one in graph.dressing if one.category == "splashback"]
+            [
+                footprint_polygon(item.box)
+                for item in graph.dressing
+                if item.category == "splashback"
+            ]
         )
 
     def __call__(self, body: Body) -> bool:

@@ -64,8 +64,8 @@ class _Placed:
     asset: Openable | None
 
     @property
-    def felt(self) -> Boxes:
-        """What it is felt as."""
+    def collider(self) -> Boxes:
+        """Boxes of its colliders, in the world."""
         if self.asset is None:
             return Boxes.filling(self.item.box)
         return Boxes.of(self.asset.felt_m * self.factor).placed(self.box)
@@ -77,14 +77,14 @@ def openables(stage: Usd.Stage, scene: StageScene) -> list[Opens]:
     items = [item for whole in (*scene.graph.items, *scene.graph.dressing) for item in
              (whole, *whole.children)]  # fmt: skip
     placed = [_placed(stage, transforms, scene.elevation_m, item) for item in items]
-    felt = [each.felt for each in placed]
-    owners = np.repeat(np.arange(len(felt)), [len(each.middle) for each in felt])
+    colliders = [each.collider for each in placed]
+    owners = np.repeat(np.arange(len(colliders)), [len(each.middle) for each in colliders])
     trim = [
         Boxes.filling(box)
         for opening, room in sides_of(scene.graph.openings, scene.graph.rooms)
         for box in (*casings(opening, room), *boards(opening, room))
     ]
-    solid = Boxes.joined([*felt, *trim])
+    solid = Boxes.joined([*colliders, *trim])
     owners = np.concatenate([owners, np.full(len(solid.middle) - len(owners), _TRIM)])
     floor = shapely.union_all([room_polygon(room) for room in scene.graph.rooms]).buffer(_WALL_M)
     shapely.prepare(floor)

@@ -12,7 +12,7 @@
     CHORD010  normals and primvars have as many values as their interpolation asks for
     CHORD011  no coordinate is infinite or not a number
     CHORD012  what has a payload has an extentsHint, so that it has bounds before it is loaded
-    CHORD013  every mesh wears a material
+    CHORD013  every mesh is bound to a material
     CHORD014  node ids are unique
     CHORD015  the house has a room with a floor (looked for by check.py)
     CHORD016  what moves collides as boxes and hulls, not as its triangles
@@ -95,11 +95,15 @@ def _stage_findings(stage: Usd.Stage, rules: Mapping[str, StageRule]) -> Iterato
 def _prim_findings(prims: Iterable[Usd.Prim]) -> list[Finding]:
     findings = []
     for prim in prims:
-        told = [(rule, judge(prim)) for rule, judge in _PRIM_RULES.items()]
+        judged = [(rule, judge(prim)) for rule, judge in _PRIM_RULES.items()]
         shape = _shape(prim)
         if shape is not None:
-            told += [(rule, look(prim, shape)) for rule, look in _MESH_RULES.items()]
-        findings += [Finding(rule, _shown(prim), one) for rule, found in told for one in found]
+            judged += [(rule, look(prim, shape)) for rule, look in _MESH_RULES.items()]
+        findings += [
+            Finding(rule, _shown(prim), message)
+            for rule, messages in judged
+            for message in messages
+        ]
     return findings
 
 
@@ -113,7 +117,7 @@ def validators_of(stage: Usd.Stage) -> list[UsdValidation.Validator]:
     if not stage.GetRootLayer().GetFileFormat().IsPackage():
         needless.add("usdUtilsValidators:UsdzPackageValidator")
     every = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-    return [one for one in every if one.GetMetadata().name not in needless]
+    return [validator for validator in every if validator.GetMetadata().name not in needless]
 
 
 def _usd_findings(
@@ -132,7 +136,7 @@ def _usd_findings(
 
 
 def _prims_once(stage: Usd.Stage) -> Iterator[Usd.Prim]:
-    """Every defined prim: those of the stage, then those of each prototype."""
+    """Every defined prim: first in the stage, then in each prototype."""
     yield from stage.Traverse()
     for prototype in stage.GetPrototypes():
         yield from Usd.PrimRange(prototype)
@@ -147,7 +151,7 @@ def _shown(prim: Usd.Prim) -> str:
             prototype = prototype.GetParent()
         if not prototype:
             return str(path)
-        instance = min(prototype.GetInstances(), key=lambda one: str(one.GetPath()))
+        instance = min(prototype.GetInstances(), key=lambda instance: str(instance.GetPath()))
         path = path.ReplacePrefix(prototype.GetPath(), instance.GetPath())
 
 
@@ -201,7 +205,7 @@ def _node_ids(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
 
 
 def _missing_coordinates(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
-    read: dict[Sdf.Path, list[str]] = {}  # by the material's path: many meshes wear each
+    read: dict[Sdf.Path, list[str]] = {}  # by the material's path: many meshes share each
     for prim in _prims_once(stage):
         material = bound_material(prim) if prim.IsA(UsdGeom.Mesh) else None
         if not material:

@@ -122,15 +122,17 @@ def read_storeys(stage: Usd.Stage) -> list[StageScene]:
     storeys = storey_prims(stage)
     if not storeys:
         return [_read_storey(_children(stage.GetDefaultPrim(), "Rooms"), 0.0)]
-    return [_read_storey(list(one.GetFilteredChildren(_PROXIES)), one.GetAttribute(ELEVATION).Get())
-            for one in storeys]  # fmt: skip
+    return [
+        _read_storey(list(prim.GetFilteredChildren(_PROXIES)), prim.GetAttribute(ELEVATION).Get())
+        for prim in storeys
+    ]
 
 
 def _read_storey(rooms: Sequence[Usd.Prim], elevation_m: float) -> StageScene:
     reader = _Reader(elevation_m)
     for prim in rooms:
         reader.read_room(prim)
-    reader.tell_carriers()
+    reader.link_carriers()
     floors = Floors(reader.rooms)
     return StageScene(
         elevation_m=elevation_m,
@@ -141,7 +143,10 @@ def _read_storey(rooms: Sequence[Usd.Prim], elevation_m: float) -> StageScene:
         holes=tuple(reader.holes),
         graph=SceneGraph(
             tuple(reader.rooms),
-            tuple(replace(one, room_ids=rooms_beside(one.box, floors)) for one in reader.openings),
+            tuple(
+                replace(opening, room_ids=rooms_beside(opening.box, floors))
+                for opening in reader.openings
+            ),
             tuple(reader.items),
             dressing=tuple(reader.dressing),
         ),
@@ -178,12 +183,12 @@ class _Reader:
         self._paths: dict[str, str] = {}
         """Of items, by node id."""
 
-    def tell_carriers(self) -> None:
+    def link_carriers(self) -> None:
         """Let dressing name what it rests on by its path, once all is read."""
         carriers = {
             item.id: self._paths.get(item.facts.rests_on or "", "") for item in self.dressing
         }
-        self.dressing = [one.found(rests_on=carriers[one.id] or None) for one in self.dressing]
+        self.dressing = [item.found(rests_on=carriers[item.id] or None) for item in self.dressing]
         self.bodies = [
             replace(body, parent=carriers[body.path]) if carriers.get(body.path) else body
             for body in self.bodies
@@ -287,14 +292,16 @@ def solids_of(
     in the world from which heights count.
     """
     known = {} if known is None else known
-    found = []
+    solids = []
     for mesh in _shown_meshes(prim):
-        own = mesh.GetPrimInPrototype().GetPath() if mesh.IsInstanceProxy() else mesh.GetPath()
-        if own not in known:
-            known[own] = _triangles(mesh)
+        path = mesh.GetPrimInPrototype().GetPath() if mesh.IsInstanceProxy() else mesh.GetPath()
+        if path not in known:
+            known[path] = _triangles(mesh)
         matrix = _to_world(mesh, transforms, elevation_m)
-        found.append(Solid(str(mesh.GetPath()), known[own].placed(matrix[:3, :3].T, matrix[:3, 3])))
-    return tuple(found)
+        solids.append(
+            Solid(str(mesh.GetPath()), known[path].placed(matrix[:3, :3].T, matrix[:3, 3]))
+        )
+    return tuple(solids)
 
 
 def _to_world(
@@ -385,8 +392,8 @@ def _own_box(body: Body, matrix: FloatArray, catalogued: Gf.Vec3d | None) -> Box
     its cabinet does not make the cabinet block a window.
     """
     turn = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
-    own = body.vertices_m @ turn
-    low, high = own.min(axis=0), own.max(axis=0)
+    local_m = body.vertices_m @ turn
+    low, high = local_m.min(axis=0), local_m.max(axis=0)
     middle = turn @ np.array([*(low[:2] + high[:2]) / 2, low[2]])
     size_m = np.maximum(high - low, _SNAP_M)
     height_m = float(size_m[2]) if catalogued is None else min(float(size_m[2]), catalogued[2])

@@ -113,33 +113,34 @@ class Report:
     @property
     def shut(self) -> tuple[Opens, ...]:
         """What something stops before it is open."""
-        return tuple(one for one in self.opens if not one.is_free)
+        return tuple(leaf for leaf in self.opens if not leaf.is_free)
 
     @property
     def faults(self) -> tuple[str, ...]:
         """What the certificate does not hold for, a line each that begins with a prim path."""
         return (
-            *(f"{one.path}: {one.message} ({one.rule})" for one in self.errors),
+            *(f"{error.path}: {error.message} ({error.rule})" for error in self.errors),
             *(f"{a.a} runs into {a.b} by {a.depth_m * 100:.1f} cm" for a in self.collisions),
-            *(f"{one} is out of its room" for one in self.out_of_room),
-            *(f"{one} is blocked" for one in self.blocked_openings),
-            *(f"{one} stands on nothing" for one in self.unsupported),
-            *(f"{one} is empty" for one in self.empty_rooms),
+            *(f"{path} is out of its room" for path in self.out_of_room),
+            *(f"{path} is blocked" for path in self.blocked_openings),
+            *(f"{path} stands on nothing" for path in self.unsupported),
+            *(f"{room} is empty" for room in self.empty_rooms),
             *self.stairs,
-            *(f"{one.path} cannot be reached: {_SHUT_BY[one.shut_by]}" for one in self.unreachable),
-            *(f"{one.path} does not open: {one.stopped_by} stops it at {one.free}"
-              for one in self.opens if one.is_stuck),
+            *(f"{room.path} cannot be reached: {_SHUT_BY[room.shut_by]}"
+              for room in self.unreachable),
+            *(f"{leaf.path} does not open: {leaf.stopped_by} stops it at {leaf.free}"
+              for leaf in self.opens if leaf.is_stuck),
         )  # fmt: skip
 
     @property
     def flaws(self) -> tuple[str, ...]:
         """What is not right in rooms and in the home, a line each: advice, no fault."""
         return (
-            *(f"{one.path} lacks {piece}" for one in self.missing for piece in one.pieces),
-            *(f"{one.item} is {one.fault}" for one in self.misplaced),
+            *(f"{room.path} lacks {piece}" for room in self.missing for piece in room.pieces),
+            *(f"{case.item} is {case.fault}" for case in self.misplaced),
             *(f"the home has no {piece}" for piece in self.home_lacks),
-            *(f"{one.path} opens {one.free}: {one.stopped_by} stops it"
-              for one in self.shut if not one.is_stuck),
+            *(f"{leaf.path} opens {leaf.free}: {leaf.stopped_by} stops it"
+              for leaf in self.shut if not leaf.is_stuck),
         )  # fmt: skip
 
     @property
@@ -165,14 +166,14 @@ def worse(before: Report, after: Report) -> tuple[str, ...]:
     return tuple(line for line in (*after.faults, *after.flaws) if line not in known)
 
 
-def check_stage(path: Path, *, own: bool = False, standards: Sequence[Standard] = ()) -> Report:
+def check_stage(path: Path, *, trusted: bool = False, standards: Sequence[Standard] = ()) -> Report:
     """Check a stage. Raises StageError for a file that cannot be opened.
 
-    own: whether this process wrote it, so that it need not be looked through first. standards: what
-    the home is compared with beside the certificate.
+    trusted: whether this process wrote it; other files are searched for harm first. standards: to
+    compare the home with, beside the certificate.
     """
     with reading(path):
-        stage = open_known(path) if own else open_stage(path)
+        stage = open_known(path) if trusted else open_stage(path)
         shut_leaves(stage)
         return _reported(stage, standards)
 
@@ -182,8 +183,8 @@ def _reported(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:
         of_files = beside.submit(broken_by_files, stage, validators_of(stage))
         of_prims = broken_by_prims(stage)
         report = _measured(stage, standards)
-        found = in_order([*of_files.result(), *of_prims])
-    return replace(report, errors=(*found, *report.errors))
+        findings = in_order([*of_files.result(), *of_prims])
+    return replace(report, errors=(*findings, *report.errors))
 
 
 def _measured(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:
@@ -193,44 +194,46 @@ def _measured(stage: Usd.Stage, standards: Sequence[Standard]) -> Report:
     errors = () if any(scene.graph.rooms for scene in storeys) else (roomless,)
     scores = [score_scene(scene.graph) for scene in storeys]
     faults = stair_faults(storeys)
-    walks = stage_walks(storeys, faults) if len(storeys) > 1 else [one.walk for one in scores]
+    walks = stage_walks(storeys, faults) if len(storeys) > 1 else [score.walk for score in scores]
     overlap = Overlap(
-        sum(one.overlap.pairs for one in scores),
-        tuple(pair for one in scores for pair in one.overlap.overlapping),
+        sum(score.overlap.pairs for score in scores),
+        tuple(pair for score in scores for pair in score.overlap.overlapping),
     )
     whole = _together(storeys)
     return Report(
         errors=errors,
         collisions=tuple(hit for scene in storeys for hit in _collisions(scene)),
-        out_of_room=tuple(one for own in scores for one in own.out_of_room),
-        blocked_openings=tuple(one for own in scores for one in own.blocked_openings),
+        out_of_room=tuple(path for score in scores for path in score.out_of_room),
+        blocked_openings=tuple(path for score in scores for path in score.blocked_openings),
         unsupported=tuple(
-            one for scene in storeys for one in unsupported(scene.items, scene.ground, Held(scene))
+            path
+            for scene in storeys
+            for path in unsupported(scene.items, scene.ground, Held(scene))
         ),
-        empty_rooms=tuple(one for scene, own in zip(storeys, scores, strict=True)
-                          for one in own.empty_rooms if not is_passage(scene.graph, one)),
-        walkable=_share(sum(one.walkable * one.walkable_m2 for one in walks),
-                        sum(one.walkable_m2 for one in walks)),
-        reachable_rooms=1.0 - _share(sum(len(one.unreachable) for one in walks),
-                                     sum(one.rooms for one in walks)),
+        empty_rooms=tuple(room for scene, score in zip(storeys, scores, strict=True)
+                          for room in score.empty_rooms if not is_passage(scene.graph, room)),
+        walkable=_share(sum(walk.walkable * walk.walkable_m2 for walk in walks),
+                        sum(walk.walkable_m2 for walk in walks)),
+        reachable_rooms=1.0 - _share(sum(len(walk.unreachable) for walk in walks),
+                                     sum(walk.rooms for walk in walks)),
         por=overlap.por,
         piou=overlap.piou,
         pairs=overlap.pairs,
         ood=_outliers(whole.items),
-        **_advice([room for own in scores for room in own.homely]),
+        **_advice([room for score in scores for room in score.homely]),
         home_lacks=home_lacks(whole.items),
         objects=count_objects(whole),
         dressing=measure_dressing(stage, storeys),
         design=design_of([scene.entered_graph for scene in storeys],
-                         [room for own in scores for room in own.homely]),
-        stairs=tuple(f"{path} {told}" for path, told in faults.items()),
+                         [room for score in scores for room in score.homely]),
+        stairs=tuple(f"{path} {fault}" for path, fault in faults.items()),
         unreachable=tuple(
             Unreachable(room, "plan" if room in way.doorless else "furniture")
             for way in walks for room in way.unreachable
         ),
-        opens=tuple(one for scene in storeys for one in openables(stage, scene)),
-        standards=tuple(keeping(one, [scene.entered_graph for scene in storeys])
-                        for one in standards),
+        opens=tuple(leaf for scene in storeys for leaf in openables(stage, scene)),
+        standards=tuple(keeping(standard, [scene.entered_graph for scene in storeys])
+                        for standard in standards),
     )  # fmt: skip
 
 
@@ -240,11 +243,11 @@ def _collisions(scene: StageScene) -> list[Collision]:
 
 
 def _together(storeys: Sequence[StageScene]) -> SceneGraph:
-    """All storeys as one graph, to count what is in it: places are those of each storey."""
+    """All storeys as one graph, to count its contents; places stay in the frame of each storey."""
     graphs = [scene.graph for scene in storeys]
     return SceneGraph(
         tuple(room for graph in graphs for room in graph.rooms),
-        tuple(one for graph in graphs for one in graph.openings),
+        tuple(opening for graph in graphs for opening in graph.openings),
         tuple(item for graph in graphs for item in graph.items),
         dressing=tuple(item for graph in graphs for item in graph.dressing),
     )
@@ -266,7 +269,7 @@ def _advice(rooms: Sequence[Homely]) -> dict[str, Any]:
 
 def _outliers(items: Iterable[Item]) -> tuple[Outlier, ...]:
     asked = [Outlier(item.id, score) for item in items if (score := item.facts.ood) is not None]
-    return tuple(sorted(asked, key=lambda one: -one.score))
+    return tuple(sorted(asked, key=lambda outlier: -outlier.score))
 
 
 def certificate(report: Report) -> dict[str, Any]:
@@ -280,6 +283,6 @@ def certificate(report: Report) -> dict[str, Any]:
         "rooms": [room.as_json() for room in report.design.rooms],
         "home": report.design.home.as_json(),
     }
-    fields["opens"] = [asdict(one) for one in report.opens]
-    fields["standards"] = [one.as_json() for one in report.standards]
+    fields["opens"] = [asdict(leaf) for leaf in report.opens]
+    fields["standards"] = [standard.as_json() for standard in report.standards]
     return {"holds": report.holds, "valid": report.valid, **fields, "faults": list(report.faults)}

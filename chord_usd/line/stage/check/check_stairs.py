@@ -25,18 +25,18 @@ _FACING = 0.5
 
 def stair_faults(storeys: Sequence[StageScene]) -> dict[str, str]:
     """What is wrong with stairs, by the path of the stair."""
-    found = {}
+    faults = {}
     for below, lower, upper in zip(
         [None, *storeys[:-1]], storeys, [*storeys[1:], None], strict=True
     ):
         for stair in lower.stairs:
-            told = (
+            fault = (
                 "leads to no storey" if upper is None
                 else next(_faults(stair, below, lower, upper), "")
             )  # fmt: skip
-            if told:
-                found[stair.body.path] = told
-    return found
+            if fault:
+                faults[stair.body.path] = fault
+    return faults
 
 
 def _faults(
@@ -70,15 +70,15 @@ def _faults(
 def _level_faces(below: StageScene | None, lower: StageScene, upper: StageScene) -> FloatArray:
     """(M, 3, 3) faces near level of floors, ceilings and stairs of two storeys, and of the stairs
     that come up from below, whose landing one may step on from; in the lower's frame."""
-    found = []
+    faces = []
     for scene in (below, lower, upper) if below else (lower, upper):
-        bodies = [one.body for one in scene.stairs]
+        bodies = [stair.body for stair in scene.stairs]
         bodies += [] if scene is below else [*scene.ground, *scene.ceilings]
         lift_m = scene.elevation_m - lower.elevation_m
         for body in bodies:
             if body.solids:
-                found.append(body.triangles_m + np.array([0.0, 0.0, lift_m]))
-    triangles = np.concatenate(found)
+                faces.append(body.triangles_m + np.array([0.0, 0.0, lift_m]))
+    triangles = np.concatenate(faces)
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
     level = np.abs(normals[:, 2]) > _FACING * np.maximum(lengths, 1e-12)
@@ -89,8 +89,8 @@ def _heights(triangles: FloatArray, at_m: tuple[float, float]) -> FloatArray:
     """Heights of the triangles (M, 3, 3) over or under a place."""
     flat = triangles[:, :, :2]
     near = (flat.min(axis=1) <= at_m).all(axis=1) & (flat.max(axis=1) >= at_m).all(axis=1)
-    own = triangles[near]
-    a, b, c = own[:, 0], own[:, 1], own[:, 2]
+    nearby = triangles[near]
+    a, b, c = nearby[:, 0], nearby[:, 1], nearby[:, 2]
     area = _cross(b - a, c - a)
     place = np.array([*at_m, 0.0])
     u = _cross(place - a, c - a) / area
@@ -100,9 +100,9 @@ def _heights(triangles: FloatArray, at_m: tuple[float, float]) -> FloatArray:
     return heights
 
 
-def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
+def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
     """Of the plan, (M,)."""
-    return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
 
 
 # How far one gets on foot in a house on its stage: for the certificate and for robots ------------

@@ -33,8 +33,8 @@ _AT, _TURNED = "xformOp:translate", "xformOp:rotateZ"
 
 @dataclass(frozen=True, eq=False)
 class PieceChange:
-    """What becomes of a piece that is there. Paths are those of the prim that holds its placement:
-    the piece, or the group around it."""
+    """The change of a piece that is there. Paths name the prim that holds its placement: the piece,
+    or the group around it."""
 
     path: str
     was: Box
@@ -72,9 +72,9 @@ def edit_rooms(
         layer.Save()
         for name, new in change.rooms.items():
             groups = _room(layer, name).nameChildren
-            there = [one for group in ("Furniture", DRESSING) if group in groups
-                     for one in groups[group].nameChildren]  # fmt: skip
-            names = [one.name for one in there]
+            there = [spec for group in ("Furniture", DRESSING) if group in groups
+                     for spec in groups[group].nameChildren]  # fmt: skip
+            names = [spec.name for spec in there]
             layer = furnish_layer(path, finals, replace(new, kept=names))
         _collect_dressing(layer)
         moved = [piece for piece in change.pieces if piece.now != piece.was]
@@ -94,10 +94,10 @@ def _rooms_of(piece: PieceChange) -> Iterator[Sdf.Path]:
 
 
 def _room(layer: Sdf.Layer, name: str) -> Sdf.PrimSpec:
-    found = room_spec(layer, name)
-    if found is None:
+    spec = room_spec(layer, name)
+    if spec is None:
         raise StageError(f"{name} is not in this layer", expected="the stage as it was written")
-    return found
+    return spec
 
 
 def _change(layer: Sdf.Layer, piece: PieceChange, source: Path) -> None:
@@ -173,9 +173,9 @@ def _follow(layer: Sdf.Layer, room_name: str, old: Sdf.Path, new: Sdf.Path) -> N
         for joint in list(joints.nameChildren) if joints else ():
             targets = [joint.relationships[end].targetPathList for end in ends]
             is_tied = old in targets[1].prependedItems
-            for one in targets:
-                held = [path.ReplacePrefix(old, new) for path in one.prependedItems]
-                one.prependedItems = held
+            for target in targets:
+                held = [path.ReplacePrefix(old, new) for path in target.prependedItems]
+                target.prependedItems = held
             if is_tied:
                 there = _room(layer, room_name).path.AppendChild(JOINTS)
                 if not layer.GetPrimAtPath(there):
@@ -188,7 +188,7 @@ def _collect_dressing(layer: Sdf.Layer) -> None:
     """The collection of dressing, where a house has its first."""
     house = layer.GetPrimAtPath("/House")
     rooms = room_specs(layer)
-    groups = [one.path.AppendChild(DRESSING) for one in rooms if DRESSING in one.nameChildren]
+    groups = [room.path.AppendChild(DRESSING) for room in rooms if DRESSING in room.nameChildren]
     if groups and "collection:dressing:includes" not in house.relationships:
         apply_schema(house, "CollectionAPI:dressing")
         relate(house, "collection:dressing:includes", groups)

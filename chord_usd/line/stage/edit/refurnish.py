@@ -1,7 +1,7 @@
 """New furniture and dressing for one room of a written stage; every other opinion stays as it is,
 byte for byte.
 
-The stage's own layer is edited and not written anew, so that what an artist has changed elsewhere,
+The stage's own layer is edited and not rewritten, so that what an artist has changed elsewhere,
 looks chosen and lights moved, survives.
 """
 
@@ -171,8 +171,8 @@ def _whole(staged: Path, target: Path) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="chord-usd-") as scratch:
         folder = Path(scratch)
         for at in (staged.parent, home):
-            for one in at.iterdir():
-                _link(one, folder / one.name)
+            for entry in at.iterdir():
+                _link(entry, folder / entry.name)
         yield folder / staged.name
 
 
@@ -246,7 +246,7 @@ def _edit_archive(source: Path, staged: Path, target: Path, edit: EditLayer) -> 
         write_attribution(layer, (root.parent,), staged, target)
         for file in folder.rglob("*"):
             os.utime(file, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
-        # Unpacked, its files lie where those of a package cannot: look at what is packed again.
+        # Unpacked, its files lie where a package's files cannot: check again before packing.
         own_files(root, source)
         share_pictures(root.parent / "assets")
         UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(root)), str(staged))
@@ -299,14 +299,18 @@ def _names_of_things(layer: Sdf.Layer) -> set[str]:
               for name in (FURNITURE, DRESSING)]  # fmt: skip
     things = [thing for group in groups if group for thing in group.nameChildren]
     carried = [thing.nameChildren.get(ITEMS) for thing in things]
-    return {one.name for one in (*things, *(c for on in carried if on for c in on.nameChildren))}
+    return {spec.name for spec in (*things, *(c for on in carried if on for c in on.nameChildren))}
 
 
 def _untie(layer: Sdf.Layer, room: Sdf.PrimSpec) -> None:
     """Remove the joints of a room whose ends are gone."""
     joints = room.nameChildren.get(JOINTS)
     for joint in list(joints.nameChildren) if joints else ():
-        ends = [end for one in joint.relationships for end in one.targetPathList.prependedItems]
+        ends = [
+            end
+            for relation in joint.relationships
+            for end in relation.targetPathList.prependedItems
+        ]
         if not all(layer.GetPrimAtPath(end) for end in ends):
             del joints.nameChildren[joint.name]
 
@@ -317,15 +321,15 @@ def _light_lamps(layer: Sdf.Layer, room: Sdf.Path, folders: Sequence[Path]) -> N
     variants = variants_of(house)
     if not scope or not variants:
         return
-    gone = [one for one in scope.nameChildren if one.typeName == "SphereLight"]
+    gone = [light for light in scope.nameChildren if light.typeName == "SphereLight"]
     suffix = light_name("", room.name)  # which houses of earlier versions lack
     given = {
-        one.name.removesuffix(suffix): one.attributes[STATE].default
-        for one in gone
-        if STATE in one.attributes
+        light.name.removesuffix(suffix): light.attributes[STATE].default
+        for light in gone
+        if STATE in light.attributes
     }
-    forget(house, [one.path for one in gone])
-    for name in [one.name for one in gone]:
+    forget(house, [light.path for light in gone])
+    for name in [light.name for light in gone]:
         del scope.nameChildren[name]
     lamps = hang_lamps(layer, str(room), folders)
     for lamp in lamps:

@@ -56,7 +56,7 @@ class StagedHouse:
     seed: int
     """Seed of the house."""
     assets: dict[str, Asset]
-    """By id of a thing that wears one; none of those packed in an archive."""
+    """By id of an item with an asset; assets packed in an archive are left out."""
     titles: dict[str, str]
     """What people call each room, by the name of its prim."""
     locked: frozenset[str] = frozenset()
@@ -70,25 +70,25 @@ class StagedHouse:
         """Names of prims of a room's furniture and dressing by their ids: those asked for, and what
         they rest on. Raises StageError."""
         room = f"{self._room_path(room_name)}/"
-        own = {p.split("/")[-1]: i for p, i in self.item_ids.items() if p.startswith(room)}
+        id_of = {p.split("/")[-1]: i for p, i in self.item_ids.items() if p.startswith(room)}
         for name in names:
-            if name not in own:
-                near = get_close_matches(name, own, n=1)
+            if name not in id_of:
+                near = get_close_matches(name, id_of, n=1)
                 raise StageError(
                     f"has no {name!r} in {room_name}",
                     where=str(where),
-                    expected=f"one of {', '.join(own)}" if own else "a room with furniture",
+                    expected=f"one of {', '.join(id_of)}" if id_of else "a room with furniture",
                     try_=f"--keep {near[0]}" if near else "",
                 )
-        name_of = {item_id: name for name, item_id in own.items()}
+        name_of = {item_id: name for name, item_id in id_of.items()}
         carriers = {item.id: item.facts.rests_on for item in self.graph.dressing}
-        found: dict[str, str] = {}
+        chosen: dict[str, str] = {}
         for name in names:
-            item_id: str | None = own[name]
-            while item_id in name_of and item_id not in found:
-                found[item_id] = name_of[item_id]
+            item_id: str | None = id_of[name]
+            while item_id in name_of and item_id not in chosen:
+                chosen[item_id] = name_of[item_id]
                 item_id = carriers.get(item_id)
-        return found
+        return chosen
 
     def _room_path(self, name: str) -> str:
         return "/".join(filter(None, (ROOMS, self.storey, name)))
@@ -96,8 +96,8 @@ class StagedHouse:
     def locked_in(self, room_name: str) -> list[str]:
         """Names of prims of a room's pieces that nothing may change."""
         room = f"{self._room_path(room_name)}/"
-        own = (path for path, item_id in self.item_ids.items() if item_id in self.locked)
-        return [path.split("/")[-1] for path in own if path.startswith(room)]
+        locked = (path for path, item_id in self.item_ids.items() if item_id in self.locked)
+        return [path.split("/")[-1] for path in locked if path.startswith(room)]
 
     def room(self, name: str, where: Path) -> Room:
         """The room whose prim has this name. Raises StageError, suggesting the nearest."""
@@ -155,8 +155,8 @@ def _house_of(stage: Usd.Stage, path: Path, room_name: str = "") -> StagedHouse:
     graph = replace(graph, style=str(chord.get("style", "")))
     seeds = {}
     for room in graph.rooms:
-        own = stage.GetAttributeAtPath(f"{room.id}/Furniture.{SEED}")
-        seeds[room.name] = int(own.Get()) if own else house_seed
+        seed = stage.GetAttributeAtPath(f"{room.id}/Furniture.{SEED}")
+        seeds[room.name] = int(seed.Get()) if seed else house_seed
     room_ids = {room.name: noted.get(room.id, room.id) for room in graph.rooms}
     things = (*graph.items, *graph.dressing)
     item_ids = {_placed(item.id): noted.get(item.id, item.id) for item in things}
@@ -183,8 +183,8 @@ def _house_of(stage: Usd.Stage, path: Path, room_name: str = "") -> StagedHouse:
 def noted_settings(stage: Usd.Stage) -> dict[str, Any]:
     """What a house notes of its making; of the first of its layers that does."""
     layers = (layer for layer in stage.GetUsedLayers())
-    found = [layer.customLayerData["chord"] for layer in layers if "chord" in layer.customLayerData]
-    return dict(stage.GetRootLayer().customLayerData.get("chord", found[0] if found else {}))
+    notes = [layer.customLayerData["chord"] for layer in layers if "chord" in layer.customLayerData]
+    return dict(stage.GetRootLayer().customLayerData.get("chord", notes[0] if notes else {}))
 
 
 def _asset_of(prim: Usd.Prim) -> Asset | None:
@@ -211,13 +211,13 @@ def _placed(path: str) -> str:
 def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
     """The graph under the ids of its author in place of prim paths."""
 
-    def item(one: Item) -> Item:
+    def item(placed: Item) -> Item:
         return replace(
-            one,
-            id=noted.get(one.id, one.id),
-            room_id=noted.get(one.room_id, one.room_id),
-            children=tuple(map(item, one.children)),
-            facts=replace(one.facts, rests_on=noted.get(one.facts.rests_on or "")),
+            placed,
+            id=noted.get(placed.id, placed.id),
+            room_id=noted.get(placed.room_id, placed.room_id),
+            children=tuple(map(item, placed.children)),
+            facts=replace(placed.facts, rests_on=noted.get(placed.facts.rests_on or "")),
         )
 
     return replace(
@@ -225,11 +225,11 @@ def _with_noted_ids(graph: SceneGraph, noted: dict[str, str]) -> SceneGraph:
         rooms=tuple(replace(room, id=noted.get(room.id, room.id)) for room in graph.rooms),
         openings=tuple(
             replace(
-                one,
-                id=noted.get(one.id, one.id),
-                room_ids=tuple(noted.get(room_id, room_id) for room_id in one.room_ids),
+                opening,
+                id=noted.get(opening.id, opening.id),
+                room_ids=tuple(noted.get(room_id, room_id) for room_id in opening.room_ids),
             )
-            for one in graph.openings
+            for opening in graph.openings
         ),
         items=tuple(map(item, graph.items)),
         dressing=tuple(map(item, graph.dressing)),

@@ -17,7 +17,7 @@ from chord_usd.line.stage.export.gltf_file import Entry, GltfFile
 from chord_usd.line.stage.export.gltf_lights import LUX_PER_UNIT, camera_of, light_of
 from chord_usd.line.stage.export.gltf_looks import Looks
 from chord_usd.line.stage.read.vertices import Vertices, joined, tangents_of, vertices_of
-from chord_usd.line.stage.shell.roof import wear_roof
+from chord_usd.line.stage.shell.roof import select_roof
 
 _PROXIES = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 Y_UP: FloatArray = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
@@ -39,7 +39,7 @@ def write_view(stage: Path, target: Path) -> None:
     """Write a house that this program wrote as a .glb with small pictures, and with the roof that
     it offers, which the page leaves out until it is asked for. Raises StageError."""
     house = open_known(stage)
-    wear_roof(house)
+    select_roof(house)
     write_glb(house, target, VIEW_TEXTURE_PX, tangents=False)
 
 
@@ -112,7 +112,7 @@ class _Writer:
         return self.file.add("nodes", node or {"name": prim.GetName()})
 
     def _node(self, prim: Usd.Prim, frame: FloatArray, *, inside: bool, room: str) -> Entry | None:
-        """The entry of a prim, those of its children written; None where nothing is in it."""
+        """The entry of a prim, after the entries of its children; None where nothing is in it."""
         if prim.GetPath() in self._rooms:
             room = prim.GetName()
         meshes: list[Usd.Prim] = [prim] if prim.IsA(UsdGeom.Mesh) else []
@@ -123,7 +123,7 @@ class _Writer:
             node = self._node(child, np.array(local).T, inside=within, room=room)
             if node:
                 children.append(self.file.add("nodes", node))
-        entry: Entry = {"name": prim.GetName(), **self._own(prim)}
+        entry: Entry = {"name": prim.GetName(), **self._light_or_camera(prim)}
         if meshes:
             entry["mesh"] = self._mesh(prim, meshes)
         if children:
@@ -154,7 +154,7 @@ class _Writer:
             else:
                 yield from self._nearest(child, inside=inside, meshes=meshes)
 
-    def _own(self, prim: Usd.Prim) -> Entry:
+    def _light_or_camera(self, prim: Usd.Prim) -> Entry:
         """The light or the camera of a node."""
         if prim.IsA(UsdGeom.Camera):
             return {"camera": self.file.add("cameras", camera_of(prim, self._metres))}
@@ -186,7 +186,7 @@ class _Writer:
             vertices = vertices_of(prim, np.array(frame).T, placement)
             if vertices is not None:
                 parts.setdefault(material, []).append(vertices)
-        return [self._primitive(material, found) for material, found in parts.items()]
+        return [self._primitive(material, vertices) for material, vertices in parts.items()]
 
     def _primitive(self, material: int | None, parts: list[Vertices]) -> Entry:
         whole = joined(parts)

@@ -1,4 +1,4 @@
-"""Materials of a stage as those of a GLB, one for all that look the same."""
+"""Materials of a stage as materials of a GLB, one for all that look the same."""
 
 from __future__ import annotations
 

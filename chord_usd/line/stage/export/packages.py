@@ -54,8 +54,8 @@ class Packages:
             package = package_files(interface, also)
             files = package.files
             taken = set(self._names.values())
-            told = {name: file for name, file in files.items() if name.name not in also}
-            name = free_package(interface.parent.name, told, self._finals, taken)
+            needed = {name: file for name, file in files.items() if name.name not in also}
+            name = free_package(interface.parent.name, needed, self._finals, taken)
             self._names[interface] = name
             # Also what lies there already: the house is checked before it is delivered.
             _copy(files, self._staged / name)
@@ -67,7 +67,7 @@ class Packages:
         return f"./{self._kind}/{self._names[interface]}/{interface.name}"
 
     def _share(self, pictures: Iterable[Path], interface: Path) -> None:
-        """Copy pictures that packages share; those of one name are one picture, and one file."""
+        """Copy pictures that packages share; pictures of one name are one picture, and one file."""
         for picture in pictures:
             if picture in self._shared:
                 continue
@@ -120,10 +120,10 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
 
 def _walked(interface: Path, source: Path) -> Package:
     """What the layers themselves name; noted where the package lies in the cache."""
-    found = asset_files(interface)
-    shared = _shared_pictures(found.others, source.parent / SHARED)
-    files = [file for file in (*found.layers, *found.others) if file not in shared]
-    outside = replace(found, others=tuple(files[len(found.layers) :])).outside([source]) or next(
+    asset = asset_files(interface)
+    shared = _shared_pictures(asset.others, source.parent / SHARED)
+    files = [file for file in (*asset.layers, *asset.others) if file not in shared]
+    outside = replace(asset, others=tuple(files[len(asset.layers) :])).outside([source]) or next(
         (file for file in files if not file.is_relative_to(source)), None
     )
     if outside is not None:
@@ -167,12 +167,14 @@ def _kept(interface: Path, source: Path) -> Package | None:
     """What was noted of a package; None where nothing was, or where it holds no longer."""
     note = _note(source)
     try:
-        told = json.loads(note.read_bytes()) if note and interface.stem == source.name else None
-        if told is None:
+        content = json.loads(note.read_bytes()) if note and interface.stem == source.name else None
+        if content is None:
             return None
-        files = {Path(name): source / name for name in told["files"]}
-        shared = tuple(source.parent / SHARED / name for name in told["shared"])
-        linked = {Path(name): source.parent / SHARED / Path(name).name for name in told["linked"]}
+        files = {Path(name): source / name for name in content["files"]}
+        shared = tuple(source.parent / SHARED / name for name in content["shared"])
+        linked = {
+            Path(name): source.parent / SHARED / Path(name).name for name in content["linked"]
+        }
     except (OSError, ValueError, KeyError, TypeError):
         return None
     needed = (*files.values(), *shared, *linked.values())
@@ -183,14 +185,14 @@ def _keep(package: Package, source: Path) -> None:
     note = _note(source)
     if note is None:
         return
-    told = {
+    content = {
         "files": [name.as_posix() for name in package.files],
         "shared": [picture.name for picture in package.shared],
         "linked": [name.as_posix() for name in package.linked],
     }
     with suppress(OSError, ChordError):  # the cache is a convenience
         note.parent.mkdir(parents=True, exist_ok=True)
-        write_atomic(note, json.dumps(told).encode())
+        write_atomic(note, json.dumps(content).encode())
 
 
 def _shared_pictures(files: Iterable[Path], folder: Path) -> set[Path]:

@@ -89,7 +89,7 @@ def _bring_pictures(layer: Sdf.Layer, folder: Path) -> None:
             name = Path(path.replace("[", "/").rstrip("]"))
             taken = (f"{name.stem}_{number}{name.suffix}" for number in itertools.count(2))
             free = itertools.chain([name.name], taken)
-            names[data] = next(one for one in free if one not in names.values())
+            names[data] = next(candidate for candidate in free if candidate not in names.values())
             place = folder / _PICTURES / names[data]
             place.parent.mkdir(exist_ok=True)
             place.write_bytes(data)
@@ -128,7 +128,7 @@ def _drop_whole_vectors(layer: Sdf.Layer) -> None:
     for scale in scales:
         order = scale.owner.attributes.get("xformOpOrder")
         if order is not None:
-            order.default = Vt.TokenArray([one for one in order.default if one != scale.name])
+            order.default = Vt.TokenArray([op for op in order.default if op != scale.name])
         scale.owner.RemoveProperty(scale)
 
 
@@ -182,8 +182,11 @@ def _cut_faces(mesh: UsdGeom.Mesh) -> None:
     for attribute, interpolation in (
         (mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation()),
         *(
-            (one.GetIndicesAttr() if one.IsIndexed() else one.GetAttr(), one.GetInterpolation())
-            for one in primvars
+            (
+                primvar.GetIndicesAttr() if primvar.IsIndexed() else primvar.GetAttr(),
+                primvar.GetInterpolation(),
+            )
+            for primvar in primvars
         ),
     ):
         values = attribute.Get()
@@ -201,7 +204,7 @@ def _take_out(stage: Usd.Stage, path: Sdf.Path) -> None:
     before = place.GetInput("in").GetAttr().GetConnections()
     for shader in place.GetPrim().GetParent().GetChildren():
         st = UsdShade.Shader(shader).GetInput("st")
-        if st and any(one.GetPrimPath() == path for one in st.GetAttr().GetConnections()):
+        if st and any(source.GetPrimPath() == path for source in st.GetAttr().GetConnections()):
             st.GetAttr().SetConnections(before)
     stage.RemovePrim(path)
 
@@ -215,16 +218,16 @@ def _is_unseen(prim: Usd.Prim) -> bool:
 
 def _drop_inactive(layer: Sdf.Layer) -> None:
     """Remove what is switched off, and the classes that nothing inherits any more."""
-    found: list[Sdf.Path] = []
+    paths: list[Sdf.Path] = []
 
     def note(path: Sdf.Path) -> None:
         prim = layer.GetPrimAtPath(path) if path.IsPrimPath() else None
         if prim and (not prim.active or path == "/__class__"):
-            found.append(path)
+            paths.append(path)
 
     layer.Traverse(Sdf.Path.absoluteRootPath, note)
     edit = Sdf.BatchNamespaceEdit()
-    for path in found:
-        if not any(path != other and path.HasPrefix(other) for other in found):
+    for path in paths:
+        if not any(path != other and path.HasPrefix(other) for other in paths):
             edit.Add(path, Sdf.Path.emptyPath)
     layer.Apply(edit)

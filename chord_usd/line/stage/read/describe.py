@@ -1,7 +1,7 @@
 """What a house holds and what of it can be chosen, without loading a mesh.
 
-For programs that show a house and let people choose: its rooms and pieces by prim path, the
-models they wear, and every variant set with what it offers.
+For programs that show a house and let people choose: its rooms and pieces by prim path, their
+models, and every variant set with its choices.
 """
 
 from __future__ import annotations
@@ -114,30 +114,30 @@ def _room(prim: Usd.Prim, paths: Mapping[str, str]) -> RoomContents:
 def _components(group: Usd.Prim) -> Iterator[tuple[Usd.Prim, Usd.Prim]]:
     """What is placed in a group, and of each the prim that refers to the model."""
     for prim in group.GetFilteredChildren(LOADED_OR_NOT) if group else ():
-        own = prim if prim.HasAttribute(_NODE) else _component_in(prim)
-        if own is not None:
-            yield prim, own
+        component = prim if prim.HasAttribute(_NODE) else _component_in(prim)
+        if component is not None:
+            yield prim, component
 
 
 def _placed(room: Usd.Prim) -> Iterator[tuple[str, str]]:
     for group in _GROUPS:
-        for prim, own in _components(room.GetChild(group)):
-            yield str(own.GetAttribute(_NODE).Get()), str(prim.GetPath())
+        for prim, component in _components(room.GetChild(group)):
+            yield str(component.GetAttribute(_NODE).Get()), str(prim.GetPath())
 
 
 def _pieces(group: Usd.Prim, paths: Mapping[str, str]) -> Iterator[Piece]:
-    for prim, own in _components(group):
+    for prim, component in _components(group):
         items = prim.GetChild("Items")
-        size = own.GetAttribute(_SIZE).Get() or (0.0, 0.0, 0.0)
+        size = component.GetAttribute(_SIZE).Get() or (0.0, 0.0, 0.0)
         yield Piece(
             path=str(prim.GetPath()),
-            component=str(own.GetPath()),
-            category=own.GetAttribute(_CATEGORY).Get() or "",
+            component=str(component.GetPath()),
+            category=component.GetAttribute(_CATEGORY).Get() or "",
             size_m=(float(size[0]), float(size[1]), float(size[2])),
-            asset=_asset(own),
-            looks=_looks(own),
+            asset=_asset(component),
+            looks=_looks(component),
             carries=_paths_in(items),
-            rests_on=paths.get(str(own.GetAttribute(_RESTS_ON).Get() or ""), ""),
+            rests_on=paths.get(str(component.GetAttribute(_RESTS_ON).Get() or ""), ""),
         )
 
 

@@ -53,14 +53,14 @@ class Change:
 def diff_stages(before: Path, after: Path) -> tuple[Change, ...]:
     """What distinguishes the second stage from the first, in order of path.
 
-    Of a part that appears or goes only the topmost prim is told. Raises StageError for a file that
-    cannot be opened.
+    Of a part that appears or goes only the topmost prim is reported. Raises StageError for a file
+    that cannot be opened.
     """
     with reading(after), reading(before):
-        return _told(open_stage(before), open_stage(after))
+        return _changes_between(open_stage(before), open_stage(after))
 
 
-def _told(*stages: Usd.Stage) -> tuple[Change, ...]:
+def _changes_between(*stages: Usd.Stage) -> tuple[Change, ...]:
     old, new = ({str(prim.GetPath()): prim for prim in stage.Traverse()} for stage in stages)
     changes = [*_only_in(old, new, "is gone"), *_only_in(new, old, "is new")]
     for path in old.keys() & new.keys():
@@ -101,7 +101,7 @@ def _variants(old: Usd.Prim, new: Usd.Prim) -> Iterator[str]:
     for name in sets:
         was, now = (p.GetVariantSets().GetVariantSelection(name) or "none" for p in (old, new))
         if was != now:
-            yield f"wears another {name}: {was} became {now}"
+            yield f"uses another {name}: {was} became {now}"
 
 
 def _matrix(prim: Usd.Prim) -> FloatArray:

@@ -20,15 +20,15 @@ from chord_usd.line.stage.check.check_scene import CATEGORY, read_scene, read_st
 def storey_names(path: Path) -> dict[str, str]:
     """What the storeys of the house at path are called, the lowest first, by the name of a room on
     each; one without a name in a house of one storey. Raises StageError."""
-    found = {}
+    titles = {}
     with reading(path):
         stage = open_stage(path)  # prims live as long as it does
         for group in storey_prims(stage):
             names = [room.GetName() for room in group.GetChildren()
                      if room.GetAttribute(CATEGORY).Get() != SHAFT]  # fmt: skip
             if names:
-                found[names[0]] = printable(group.GetDisplayName()) or group.GetName()
-    return found or {"": ""}
+                titles[names[0]] = printable(group.GetDisplayName()) or group.GetName()
+    return titles or {"": ""}
 
 
 def storey_of(stage: Usd.Stage, path: Path, room_name: str) -> tuple[SceneGraph, str]:
@@ -39,7 +39,7 @@ def storey_of(stage: Usd.Stage, path: Path, room_name: str) -> tuple[SceneGraph,
         return read_scene(stage).graph, ""
     for scene, group in zip(read_storeys(stage), groups, strict=True):
         if any(room.name == room_name for room in scene.graph.rooms):
-            shafts = (replace(one, extra={CELL: True}) for one in scene.shafts)
+            shafts = (replace(shaft, extra={CELL: True}) for shaft in scene.shafts)
             rooms = (*scene.graph.rooms, *shafts)
             return replace(scene.graph, rooms=rooms), group.GetName()
     names = [room.GetName() for room in room_prims(stage)]

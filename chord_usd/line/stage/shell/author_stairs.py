@@ -36,20 +36,20 @@ _INNER_M = 0.05
 def draw_stairs(component: ShellComponent, room: NamedRoom, level: Level) -> None:
     """The stairs up from a room, and the railings around the hole that one comes up through."""
     solid = level.walls.solid_m
-    for index, own in enumerate(level.rising.get(room.room.id, ())):
+    for index, climb in enumerate(level.rising.get(room.room.id, ())):
         group = component.group(f"Stair_{index}_{room.name}")
         label(group, "category", "stairs")
-        note_stair(group, own)
-        for part in stair_parts(own.built, solid):
+        note_stair(group, climb)
+        for part in stair_parts(climb.built, solid):
             material = floor_material(room) if part.surface == "Floor" else part.surface
             component.mesh(f"{group.name}/{part.name}", part.faces, material)
-        for number, (line, low_m) in enumerate(open_landing_sides(own.built, solid)):
+        for number, (line, low_m) in enumerate(open_landing_sides(climb.built, solid)):
             _draw_guard(component, f"{group.name}/Guard_{number}_{group.name}", line, low_m)
     ways = level.ways.get(room.room.id)
     if ways is not None:
         component.reserve(floor_material(room))
-        rising = [own.built for own in level.rising.get(room.room.id, ())]
-        stairs = [one.area_m.buffer(-_INNER_M) for one in rising if not one.is_spiral]
+        rising = [climb.built for climb in level.rising.get(room.room.id, ())]
+        stairs = [stair.area_m.buffer(-_INNER_M) for stair in rising if not stair.is_spiral]
         around = unary_union([solid, *stairs])
         own_holes = [hole for hole in level.holes if hole.intersects(room_polygon(room.room))]
         edged = [_largest(hole.difference(unary_union(level.landings))) for hole in own_holes]
@@ -71,7 +71,7 @@ def stair_colliders(
     room: NamedRoom, level: Level, floor: Polygon, holes: Sequence[Polygon]
 ) -> tuple[list[Box], list[Sequence[Face]]]:
     """Boxes and convex hulls of the steps up from a room, and of its slab around round holes."""
-    rising = [own.built for own in level.rising.get(room.room.id, ())]
+    rising = [climb.built for climb in level.rising.get(room.room.id, ())]
     hulls = [hull for built in rising for hull in stair_hulls(built)]
     return [box for built in rising for box in stair_boxes(built)], [
         *hulls, *_slab_around(floor, holes)

@@ -78,7 +78,7 @@ def _panel_leaf(leaf: Leaf) -> list[Part]:
     stiles = _both(_whole(leaf).difference(unary_union(panels)), LEAF_M)
     parts = [Part("Stiles", stiles, "Trim")]
     if panels:
-        sunk = [face for one in panels for face in _sunk_panel(one)]
+        sunk = [face for panel in panels for face in _sunk_panel(panel)]
         parts.append(Part("Panels", sunk, "Trim"))
     return [*parts, Part("Handles", _levers(leaf), "Metal")]
 

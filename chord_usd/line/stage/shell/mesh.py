@@ -121,7 +121,7 @@ def upright(
 def flat(area: BaseGeometry, height_m: float, *, up: bool, cut: bool = False) -> list[Face]:
     """A horizontal sheet that faces up or down; u, v are world x, y. Holes are cut out.
 
-    Convex parts stay one polygon, unless they shall be cut; others become triangles. What has no
+    Convex parts stay one polygon, unless they must be cut; others become triangles. What has no
     area gives no face.
     """
     pieces = _triangles if cut else _convex_pieces

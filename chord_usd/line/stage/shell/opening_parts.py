@@ -43,8 +43,8 @@ def span_of(tunnel: Tunnel) -> Span:
     """The hole as the opening sees it."""
     corners = np.asarray(tunnel.area_m.exterior.coords)[:-1]
     box_ = tunnel.opening.box
-    own = (corners - np.array(box_.center_m[:2])) @ rotation_2d(box_.yaw_deg)
-    (left, front), (right, back) = own.min(axis=0), own.max(axis=0)
+    local = (corners - np.array(box_.center_m[:2])) @ rotation_2d(box_.yaw_deg)
+    (left, front), (right, back) = local.min(axis=0), local.max(axis=0)
     return Span(left, right, front, back, tunnel.high_m - tunnel.low_m)
 
 
@@ -115,7 +115,8 @@ def sashes_in(tunnel: Tunnel, inside: int) -> list[Sash]:
 
 
 def _linings(tunnel: Tunnel) -> list[Part]:
-    """Jambs, head and sill; at floor height the sill is the threshold and wears the floor."""
+    """Jambs, head and sill; at floor height the sill is the threshold and has the floor's
+    material."""
     at_floor = tunnel.low_m == 0.0
     return [
         Part("Lining", _own_frame(lining_faces(tunnel), tunnel), "Wall"),

@@ -49,9 +49,11 @@ def gaps_for_railings(
 ) -> Iterator[tuple[int, Opening]]:
     """Index of a balcony, and a hole in one of its outer walls, up to height_m over the floor."""
     house = shapely.STRtree([room_polygon(room).buffer(WALL_THICKNESS_M) for room in rooms])
-    taken = shapely.STRtree([footprint_polygon(one.box).buffer(_BESIDE_M) for one in openings])
+    taken = shapely.STRtree(
+        [footprint_polygon(opening.box).buffer(_BESIDE_M) for opening in openings]
+    )
     floors = Floors(rooms)
-    windows = [footprint_polygon(one.box) for one in openings if one.kind == "window"]
+    windows = [footprint_polygon(opening.box) for opening in openings if opening.kind == "window"]
     panes = shapely.STRtree(windows)
     for index, room in enumerate(rooms):
         if room.kind == "balcony" and not _is_glazed(index, floors, panes):

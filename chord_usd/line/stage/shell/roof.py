@@ -3,7 +3,7 @@
     /House{roof=none}          selected: what simulators and pictures of rooms see
     /House{roof=hip}Roof       component; Geometry/{Roof, Underside, Eaves, Gable}
 
-The bounds of the house are those of the choice.
+The bounds of the house include the roof only where it is selected.
 """
 
 from __future__ import annotations
@@ -47,14 +47,14 @@ _EYE_SHARE = 0.9
 """Highest place of that camera over the top of the walls; higher ones are taken to look in."""
 
 
-def refuse_odd_roof(plan: Plan, form: RoofForm) -> None:
+def require_roof(plan: Plan, form: RoofForm) -> None:
     """Raises PlanError where no roof of this form fits over a storey."""
     if form not in (NO_ROOF, "flat"):
         roof_planes(covered(build_walls(plan)), form)
 
 
-def wear_roof(stage: Usd.Stage) -> None:
-    """Let an open house wear the roof that it offers, if it does; on the session layer."""
+def select_roof(stage: Usd.Stage) -> None:
+    """Select the roof of an open house, where it offers one; on the session layer."""
     offered = stage.GetDefaultPrim().GetVariantSet(ROOF_SET)
     roofs = [name for name in offered.GetVariantNames() if name != NO_ROOF]
     if roofs:
@@ -117,12 +117,12 @@ def _parts(
 
 
 def _sloped(area: Polygon, plane: RoofPlane, lift_m: float, *, up: bool) -> list[Face]:
-    found = []
+    faces = []
     for face in flat(area, 0.0, up=up):
         corners = face.corners_m.copy()
         corners[:, 2] = plane.heights_m(corners) + lift_m
-        found.append(Face(corners, face.uvs_m))
-    return found
+        faces.append(Face(corners, face.uvs_m))
+    return faces
 
 
 def _rim_of(plane: RoofPlane, rim: BaseGeometry) -> Iterator[FloatArray]:
@@ -157,7 +157,7 @@ def _sheets(
 
     sides: (2, 2) ground line, (2,) heights of the foot at its ends, and what stands on that.
     """
-    found = []
+    sheets = []
     for (start, end), foot, high in sides:
         tall = np.broadcast_to(high, 2)
         if tall.max() < _LEAST_M:
@@ -168,5 +168,5 @@ def _sheets(
             if tall[at] >= _LEAST_M:
                 rows.append((point, along, foot[at] + tall[at]))
         corners = np.array([[*point, height] for point, _, height in rows])
-        found.append(Face(corners, np.array([[along, height] for _, along, height in rows])))
-    return found
+        sheets.append(Face(corners, np.array([[along, height] for _, along, height in rows])))
+    return sheets

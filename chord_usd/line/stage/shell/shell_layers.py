@@ -74,7 +74,7 @@ class ShellComponent:
         *,
         category: str = "",
     ) -> None:
-        """A mesh under Geometry that wears a material of this component; none without faces.
+        """A mesh under Geometry, bound to a material of this component; none without faces.
 
         frame: where the groups above it stand, if it is not drawn in the world.
         """
@@ -82,8 +82,8 @@ class ShellComponent:
         if mesh.is_empty:
             return
         *groups, part = name.split("/")
-        own = "_".join(filter(None, (part, groups[-1] if groups else self._owner)))
-        path = self._root.AppendPath("/".join(("Geometry", *groups, own)))
+        prim_name = "_".join(filter(None, (part, groups[-1] if groups else self._owner)))
+        path = self._root.AppendPath("/".join(("Geometry", *groups, prim_name)))
         prim = write_mesh(self._layer, path, mesh)
         bind(prim, self._material(material))
         points = frame.in_world(mesh.points_m) if frame else mesh.points_m
@@ -94,8 +94,8 @@ class ShellComponent:
     def block(
         self, boxes: Sequence[tuple[Box, str]], hulls: Sequence[tuple[Sequence[Face], str]] = ()
     ) -> None:
-        """Colliders of what is drawn as sheets, each with what it feels like; hulls of what is no
-        box."""
+        """Colliders of parts that are drawn as sheets, each with its physics material; hulls for
+        parts that are no box."""
         scope = define_colliders(self._layer, self._root.AppendChild("Colliders"))
         for index, (box, material) in enumerate(boxes):
             path = scope.path.AppendChild(f"Box_{index}")
@@ -117,17 +117,17 @@ class ShellComponent:
         """Let a leaf swing towards +y of its opening where side is 1, towards -y where it is -1."""
         turn_deg = DOOR_OPENS_DEG * (-side if drawn.hung_right else side)
         limits_deg = (min(turn_deg, 0.0), max(turn_deg, 0.0))
-        own = self._material(material)
+        path = self._material(material)
         if isinstance(drawn, Sash):
             box, kg_per_m2 = drawn.box, SASH_KG_PER_M2
         else:
             box, kg_per_m2 = leaf_box(drawn), DOOR_KG_PER_M2
-        hang_leaf(self._layer, leaf, hinge_m, box, limits_deg, own, kg_per_m2)
+        hang_leaf(self._layer, leaf, hinge_m, box, limits_deg, path, kg_per_m2)
 
     def _material(self, name: str) -> Sdf.Path:
         is_room = name not in self.fitout.surfaces
-        own = name if is_room or not self._owner else f"{name}_{self._owner}"
-        path = self._root.AppendPath(f"Materials/{own}")
+        slot = name if is_room or not self._owner else f"{name}_{self._owner}"
+        path = self._root.AppendPath(f"Materials/{slot}")
         if not self._layer.GetPrimAtPath(path):
             if not is_room:
                 write_surface(self._layer, path, name, self.fitout.surfaces[name])
@@ -137,7 +137,7 @@ class ShellComponent:
         return path
 
     def reserve(self, material: str) -> None:
-        """A material that the room's variants write, though nothing here wears it."""
+        """A material that the room's variants write, though no mesh here is bound to it."""
         self._material(material)
 
     def save(self) -> None:

@@ -96,7 +96,7 @@ def stair_parts(built: BuiltStair, walls: BaseGeometry) -> list[StairPart]:
             StairPart("Steps", _in_storey(built, steps), "Floor"),
             StairPart("Handrail", _in_storey(built, rails), "Metal"),
         ]
-    for flight in (one for one in built.flights if one.length_m > _LEAST_FLIGHT_M):
+    for flight in (straight for straight in built.flights if straight.length_m > _LEAST_FLIGHT_M):
         steps += _in_storey(
             built, _flight_faces(built, flight, lifted=_ends_over_wall(built, flight, walls))
         )
@@ -117,14 +117,14 @@ def stair_parts(built: BuiltStair, walls: BaseGeometry) -> list[StairPart]:
 
 def stair_boxes(built: BuiltStair) -> list[Box]:
     """What one steps on and is rectangular, as upright boxes in the storey's frame."""
-    found = []
+    boxes = []
     for tread in filter(_is_box, built.treads):
         west, south, east, north = tread.area_m.bounds
         low = 0.0 if tread.top_m < 2 * built.rise_m - 1e-6 else tread.top_m - built.rise_m - 0.02
         x, y = to_world(built.stair.box, ((west + east) / 2, (south + north) / 2))
         size_m = (east - west, north - south, tread.top_m - low)
-        found.append(Box((float(x), float(y), low), size_m, built.stair.box.yaw_deg))
-    return found
+        boxes.append(Box((float(x), float(y), low), size_m, built.stair.box.yaw_deg))
+    return boxes
 
 
 def stair_hulls(built: BuiltStair) -> list[Sequence[Face]]:
@@ -156,7 +156,7 @@ def guard_lines(hole: Polygon, walls: BaseGeometry, ways: Sequence[LineString]) 
                 chains.append(corners)
     if len(chains) > 1 and _goes_on(chains[-1], chains[0]):
         chains[0] = np.vstack([chains.pop(), chains[0][1:]])
-    return [one for one in chains if LineString(one).length > _LEAST_GUARD_M]
+    return [chain for chain in chains if LineString(chain).length > _LEAST_GUARD_M]
 
 
 def _goes_on(chain: FloatArray, piece: FloatArray) -> bool:
@@ -176,11 +176,11 @@ def guard_part(line: FloatArray) -> tuple[StairPart, list[Box]]:
     for index, (start, end) in enumerate(pieces):
         place = _beside(start, end, aside_m)
         half = place.size_m[0] / 2
-        own = moved(railing_faces(-half, half, 0.0), np.eye(2), (0.0, 0.0, _GUARD_FOOT_M))
+        panel = moved(railing_faces(-half, half, 0.0), np.eye(2), (0.0, 0.0, _GUARD_FOOT_M))
         posts = [-half] * (index == 0) + [half - _POST_M] * (index == len(pieces) - 1)
         for post in posts:
-            own += cuboid((post, -_POST_M / 2, 0.0), (post + _POST_M, _POST_M / 2, GUARD_M))
-        faces += moved(own, rotation_2d(place.yaw_deg), (*place.center_m[:2], 0.0))
+            panel += cuboid((post, -_POST_M / 2, 0.0), (post + _POST_M, _POST_M / 2, GUARD_M))
+        faces += moved(panel, rotation_2d(place.yaw_deg), (*place.center_m[:2], 0.0))
     coarse = np.asarray(LineString(line).simplify(_COARSE_M).coords)
     boxes = [_beside(start, end, aside_m) for start, end in pairwise(coarse)]
     return StairPart("Railing", faces, "Metal"), boxes
@@ -199,9 +199,9 @@ def floor_boxes(floor: Box, holes: Sequence[Polygon], yaw_deg: float) -> Iterato
     """A slab around holes, as boxes. yaw_deg: the direction in which the holes' sides run; of a
     round one its square is left out."""
     turn = rotation_2d(-yaw_deg)
-    own = [Polygon(np.asarray(hole.exterior.coords) @ turn.T) for hole in holes]
-    own = [hole.envelope if is_round(hole) else hole for hole in own]
-    rings = [np.asarray(hole.exterior.coords) for hole in own]
+    cut_out = [Polygon(np.asarray(hole.exterior.coords) @ turn.T) for hole in holes]
+    cut_out = [hole.envelope if is_round(hole) else hole for hole in cut_out]
+    rings = [np.asarray(hole.exterior.coords) for hole in cut_out]
     length, width, height = floor.size_m
     corners = to_world(floor, [[-length / 2, -width / 2], [length / 2, -width / 2],
                                [length / 2, width / 2], [-length / 2, width / 2]])  # fmt: skip
@@ -212,7 +212,9 @@ def floor_boxes(floor: Box, holes: Sequence[Polygon], yaw_deg: float) -> Iterato
         run: list[float] = []
         for left, right in [*pairwise(xs), (xs[-1], xs[-1])]:
             middle = shapely.Point((left + right) / 2, (low + high) / 2)
-            solid = right > left and area.covers(middle) and not any(o.covers(middle) for o in own)
+            solid = (
+                right > left and area.covers(middle) and not any(o.covers(middle) for o in cut_out)
+            )
             if solid:
                 run = [run[0] if run else left, right]
             elif run:

@@ -90,7 +90,7 @@ class Walls:
         return self._lines_by_room.get(room, [])
 
     def floors_near(self, shape: BaseGeometry) -> list[Polygon]:
-        """The floors whose bounds meet those of a shape."""
+        """The floors whose bounds meet the bounds of a shape."""
         return [self.floors_m[index] for index in sorted(self._floor_tree.query(shape))]
 
     def tunnels_near(self, shape: BaseGeometry, distance_m: float) -> list[Tunnel]:
@@ -108,18 +108,18 @@ class Walls:
 
     @cached_property
     def _lines_by_room(self) -> dict[int | None, list[WallLine]]:
-        found: dict[int | None, list[WallLine]] = {}
+        lines: dict[int | None, list[WallLine]] = {}
         for line in self.lines:
-            found.setdefault(line.room, []).append(line)
-        return found
+            lines.setdefault(line.room, []).append(line)
+        return lines
 
     @cached_property
     def _tunnels_by_room(self) -> dict[str, list[Tunnel]]:
-        found: dict[str, list[Tunnel]] = {}
+        tunnels: dict[str, list[Tunnel]] = {}
         for tunnel in self.tunnels.values():
             for room_id in dict.fromkeys(tunnel.opening.room_ids):
-                found.setdefault(room_id, []).append(tunnel)
-        return found
+                tunnels.setdefault(room_id, []).append(tunnel)
+        return tunnels
 
     @cached_property
     def _floor_tree(self) -> shapely.STRtree:
@@ -230,11 +230,11 @@ def free_stretches(line: WallLine, below_m: float) -> list[tuple[FloatArray, Flo
 
 def _floors(rooms: Sequence[Room]) -> Iterator[Polygon]:
     floors = Floors(rooms)
-    for index, own in enumerate(floors.polygons):
-        earlier = [floors.polygons[other] for other in floors.near(own) if other < index]
+    for index, floor in enumerate(floors.polygons):
+        earlier = [floors.polygons[other] for other in floors.near(floor) if other < index]
         taken = unary_union(earlier)
-        free = own.difference(taken) if own.intersection(taken).area > GRID_M else own
-        yield max(polygons_of(free), key=lambda part: part.area, default=own)
+        free = floor.difference(taken) if floor.intersection(taken).area > GRID_M else floor
+        yield max(polygons_of(free), key=lambda part: part.area, default=floor)
 
 
 def _lines(rooms: Sequence[Room], solid: MultiPolygon) -> Iterator[WallLine]:
@@ -262,8 +262,8 @@ def _lines(rooms: Sequence[Room], solid: MultiPolygon) -> Iterator[WallLine]:
 def _near(tree: shapely.STRtree, a: FloatArray, b: FloatArray) -> IntArray:
     """Indices, in order, of what may lie on the segment a to b."""
     low, high = np.minimum(a, b) - ON_LINE_M, np.maximum(a, b) + ON_LINE_M
-    found: IntArray = np.sort(tree.query(box(*low, *high)))
-    return found
+    hits: IntArray = np.sort(tree.query(box(*low, *high)))
+    return hits
 
 
 def _room_edges(rooms: Sequence[Room]) -> tuple[FloatArray, FloatArray, list[int], list[int]]:
@@ -277,7 +277,7 @@ def _room_edges(rooms: Sequence[Room]) -> tuple[FloatArray, FloatArray, list[int
 
 
 def _split(a: FloatArray, b: FloatArray, points: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
-    """The segment a to b, cut at those of the points that lie on it."""
+    """The segment a to b, cut at the points that lie on it."""
     length = float(np.hypot(*(b - a)))
     along, off = _along_and_off(a, b, points)
     inner = (off < ON_LINE_M) & (along > ON_LINE_M) & (along < length - ON_LINE_M)

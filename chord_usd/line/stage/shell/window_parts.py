@@ -74,7 +74,7 @@ def window_parts(span: Span, inside: int, *, has_board: bool) -> list[Part]:
 
 
 def sashes_of(span: Span, inside: int) -> list[Sash]:
-    """The casements of a window, shut; those of a pair open from the middle."""
+    """The casements of a window, shut; a pair opens from the middle."""
     near = span.middle + inside * (_FRAME_M[1] / 2 + _SASH_PROUD_M)
     far = near - inside * _SASH_M[1]
     sashes = []
@@ -97,10 +97,10 @@ def sashes_of(span: Span, inside: int) -> list[Sash]:
                 Part("Handles", _fittings(light, span.middle, inside, hung_right), "Metal")
             )
         back = tuple(-at for at in hinge)
-        own = tuple(Part(p.name, moved(p.faces, np.eye(2), back), p.surface) for p in parts)
+        placed = tuple(Part(p.name, moved(p.faces, np.eye(2), back), p.surface) for p in parts)
         middle = (-1 if hung_right else 1) * (right - left) / 2, (far - near) / 2, 0.0
         box = Box(middle, (right - left, abs(far - near), high - low), 0.0)
-        sashes.append(Sash(hinge, box, own, hung_right))
+        sashes.append(Sash(hinge, box, placed, hung_right))
     return sashes
 
 

@@ -89,8 +89,8 @@ def stands(
 
     things: furniture, and whatever else stands in the room or hangs in it.
     """
-    doors = [one for one in openings if one.kind != "window"]
-    standing = [one for one in things if one.box.center_m[2] < 0.1]
+    doors = [opening for opening in openings if opening.kind != "window"]
+    standing = [item for item in things if item.box.center_m[2] < 0.1]
     yield from _inside(floor, standing, doors, effort.inside)
     yield from _behind_walls(floor, things, effort)
 
@@ -138,7 +138,7 @@ def _free_places(
 def _behind_walls(floor: Polygon, things: Sequence[Item], effort: Effort) -> Iterator[Stand]:
     """Places before and behind each wall from which one looks straight at the one across."""
     standing = np.array(
-        [footprint_polygon(one.box) for one in things if one.box.center_m[2] < _HIGH_M],
+        [footprint_polygon(item.box) for item in things if item.box.center_m[2] < _HIGH_M],
         dtype=object,
     )
     clear = floor.difference(unary_union([piece.buffer(_UNCUT_M) for piece in standing]))

@@ -75,7 +75,7 @@ _DOOR_SHARE, _DOOR_COST = 0.05, 1.5
 
 _LENS_MM = np.array([lens for lens, _ in _LENSES_MM for _ in _SHIFTS_MM])
 _SHIFT_MM = np.array([shift for _ in _LENSES_MM for shift, _ in _SHIFTS_MM])
-_WORTH = np.array([one * other for _, one in _LENSES_MM for _, other in _SHIFTS_MM])
+_WORTH = np.array([lens * shift for _, lens in _LENSES_MM for _, shift in _SHIFTS_MM])
 """(K,) of each lens with each shift."""
 
 _WITHIN = 0.92
@@ -122,12 +122,12 @@ def choose_view(
     best, most = View((0.0, 0.0), 0.0, 24.0, _SHIFTS_MM[0][0]), -math.inf
     sights = [room.sight(stand) for stand in stands(floor, [*items, *dressing], openings, effort)]
     # What fills the picture takes longer to find: only where what is shown is worth more yet.
-    for sight in sorted(sights, key=lambda one: -one.at_most):
+    for sight in sorted(sights, key=lambda sight: -sight.at_most):
         if sight.at_most <= most:
             break
-        found = room.best(sight)
-        if found[1] > most:
-            best, most = found
+        candidate = room.best(sight)
+        if candidate[1] > most:
+            best, most = candidate
     return best
 
 
@@ -160,8 +160,8 @@ class _Room:
         items, dressing = _largest(items, MOST_PIECES), _largest(dressing, MOST_BOXES - MOST_PIECES)
         self._pieces_m, self._owners, self._weights = _piece_points(items)
         things = [*items, *dressing]
-        self._all = Surroundings(floor, [one.box for one in things], openings)
-        tall = [one.box for one in things if one.box.top_m > _HIDES_FROM_M]
+        self._all = Surroundings(floor, [item.box for item in things], openings)
+        tall = [item.box for item in things if item.box.top_m > _HIDES_FROM_M]
         self._tall = Surroundings(floor, tall, ())
 
     def sight(self, stand: Stand) -> _Sight:
@@ -345,11 +345,13 @@ class Surroundings:
         self._middles_m = np.array([box.center_m for box in boxes]).reshape(-1, 3)
         self._halves_m = np.array([box.size_m for box in boxes]).reshape(-1, 3) / 2
         self._turns = np.array([rotation_2d(box.yaw_deg) for box in boxes]).reshape(-1, 2, 2)
-        shut = [one for one in openings if one.kind == "window" or _is_solid_door(one)]
-        self._holes_m = np.array([_line_of(one.box) for one in shut]).reshape(-1, 2, 2)
-        self._sills_m = np.array([one.box.center_m[2] for one in shut])
-        self._heads_m = self._sills_m + [one.box.size_m[2] for one in shut]
-        self._is_window = np.array([one.kind == "window" for one in shut], dtype=bool)
+        shut = [
+            opening for opening in openings if opening.kind == "window" or _is_solid_door(opening)
+        ]
+        self._holes_m = np.array([_line_of(opening.box) for opening in shut]).reshape(-1, 2, 2)
+        self._sills_m = np.array([opening.box.center_m[2] for opening in shut])
+        self._heads_m = self._sills_m + [opening.box.size_m[2] for opening in shut]
+        self._is_window = np.array([opening.kind == "window" for opening in shut], dtype=bool)
 
     def walls_at(
         self, position_m: FloatArray, offset_m: FloatArray, begins: FloatArray | float = 0.0
@@ -377,16 +379,19 @@ class Surroundings:
         start = np.squeeze((position_m - self._middles_m[:, :2])[:, None] @ self._turns, axis=1)
         step = np.moveaxis(offset_m @ self._turns, 0, 1)
         step = np.where(np.abs(step) < 1e-9, 1e-9, step)
-        one, other = (-self._halves_m[:, :2] - start) / step, (self._halves_m[:, :2] - start) / step
-        low, high = np.minimum(one, other), np.maximum(one, other)
+        first, second = (
+            (-self._halves_m[:, :2] - start) / step,
+            (self._halves_m[:, :2] - start) / step,
+        )
+        low, high = np.minimum(first, second), np.maximum(first, second)
         return np.maximum(low[..., 0], low[..., 1]), np.minimum(high[..., 0], high[..., 1])
 
     def _between(self, eye_m: float, rise_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(N, B) shares of rises, (N,), from where to where one is as high as each box."""
         base_m = self._middles_m[:, 2] - eye_m
         rise = np.where(np.abs(rise_m) < 1e-9, 1e-9, rise_m)[:, None]
-        one, other = base_m / rise, (base_m + 2.0 * self._halves_m[:, 2]) / rise
-        return np.minimum(one, other), np.maximum(one, other)
+        first, second = base_m / rise, (base_m + 2.0 * self._halves_m[:, 2]) / rise
+        return np.minimum(first, second), np.maximum(first, second)
 
     def panorama(
         self, eye_m: FloatArray, turn_deg: float, near_m: float

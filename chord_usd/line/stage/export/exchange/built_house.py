@@ -62,8 +62,8 @@ class BuiltStairs:
 
 @dataclass(frozen=True, eq=False)
 class House:
-    """A house as it stands. Ids of rooms and openings are those of their prims, such as Bedroom_0
-    and Bedroom_0_Door_0."""
+    """A house as it stands. Rooms and openings have the names of their prims as ids, such as
+    Bedroom_0 and Bedroom_0_Door_0."""
 
     graph: SceneGraph
     """Ids of items are prim paths."""
@@ -97,9 +97,15 @@ class House:
     @property
     def scene_as_stated(self) -> StageScene:
         """The scene without the doors between rooms that are shut by their state."""
-        shut = {one.id for one in self.scene.graph.openings if len(one.room_ids) > 1
-                and (door := self.stated.get(_opening_id(one.id))) and door.is_shut}  # fmt: skip
-        kept = tuple(one for one in self.scene.graph.openings if one.id not in shut)
+        openings = self.scene.graph.openings
+        shut = {
+            opening.id
+            for opening in openings
+            if len(opening.room_ids) > 1
+            and (door := self.stated.get(_opening_id(opening.id)))
+            and door.is_shut
+        }
+        kept = tuple(opening for opening in openings if opening.id not in shut)
         return replace(self.scene, graph=replace(self.scene.graph, openings=kept))
 
     @cached_property
@@ -108,7 +114,7 @@ class House:
         return build_walls(self.plan)
 
     @cached_property
-    def told(self) -> SceneGraph:
+    def drawn_graph(self) -> SceneGraph:
         """The graph as it is drawn and written: rooms as people call them, and what stands on an
         item in that item's own frame, where the stage has it in the world."""
         rooms = tuple(replace(room, name=self.titles[room.id]) for room in self.graph.rooms)
@@ -121,19 +127,19 @@ class House:
     @cached_property
     def digest(self) -> str:
         """Names this house and no other: what identifiers in files are made from."""
-        told = [
+        facts = [
             *((room.id, room.kind, room.polygon_m.round(4).tolist()) for room in self.plan.rooms),
-            *((one.id, one.kind, one.box) for one in self.plan.openings),
+            *((opening.id, opening.kind, opening.box) for opening in self.plan.openings),
             *((item.id, item.category, item.box) for item in self.things()),
         ]
-        return hashlib.sha256(repr(told).encode()).hexdigest()
+        return hashlib.sha256(repr(facts).encode()).hexdigest()
 
     def things(self) -> Sequence[Item]:
         """Furniture and dressing; what stands on furniture is left out."""
         return (*self.graph.items, *self.graph.dressing)
 
     def title(self, room: Room) -> str:
-        """What a room is called, in words that tell its kind to whoever reads the file."""
+        """Title of a room, in words that name its kind to readers of the file."""
         title = self.titles[room.id]
         return title if room_kind(title) == room.kind else spoken(ROOM_LABELS[room.kind])
 
@@ -176,28 +182,28 @@ def houses_of(stage: Usd.Stage) -> list[House]:
     if not groups:
         return [_storey(stage, scenes[0])]
     houses = [_storey(stage, scene) for scene in scenes]
-    found = []
+    storeys = []
     for index, (house, scene, group) in enumerate(zip(houses, scenes, groups, strict=True)):
         above = houses[index + 1] if index + 1 < len(houses) else None
-        stairs = [_stairs(stage, one, house, above) for one in scene.stairs] if above else []
+        stairs = [_stairs(stage, stair, house, above) for stair in scene.stairs] if above else []
         title = printable(group.GetDisplayName()) or group.GetName()
-        found.append(
+        storeys.append(
             replace(
                 house, storey=group.GetName(), storey_title=title, stairs=tuple(stairs),
                 elevation_m=scene.elevation_m, wells=tuple(map(room_polygon, scene.shafts)),
                 holes=scene.holes,
             )
         )  # fmt: skip
-    return found
+    return storeys
 
 
-def _stairs(stage: Usd.Stage, one: StageStair, below: House, above: House) -> BuiltStairs:
-    prim = stage.GetPrimAtPath(one.body.path)
-    room = one.body.path.split("/Architecture/")[0].rsplit("/", 1)[-1]
-    ends = [_room_at(house, one.walk_m[at, :2]) for house, at in ((below, 0), (above, -1))]
+def _stairs(stage: Usd.Stage, stair: StageStair, below: House, above: House) -> BuiltStairs:
+    prim = stage.GetPrimAtPath(stair.body.path)
+    room = stair.body.path.split("/Architecture/")[0].rsplit("/", 1)[-1]
+    ends = [_room_at(house, stair.walk_m[at, :2]) for house, at in ((below, 0), (above, -1))]
     form = prim.GetAttribute("chord:form").Get() if prim.HasAttribute("chord:form") else ""
     return BuiltStairs(
-        f"{room}_{prim.GetName()}", str(form), (ends[0], ends[1]), one.walk_m, one.body.solids
+        f"{room}_{prim.GetName()}", str(form), (ends[0], ends[1]), stair.walk_m, stair.body.solids
     )
 
 
@@ -220,13 +226,13 @@ def _storey(stage: Usd.Stage, scene: StageScene) -> House:
     floors = Floors(rooms)
     openings, owners, stated = [], {}, {}
     doors = stated_doors(stage)
-    for one in scene.graph.openings:
-        owner = names.get(one.id.partition("/Architecture/")[0], rooms[0].id)
-        own_id = _opening_id(one.id)
+    for opening in scene.graph.openings:
+        owner = names.get(opening.id.partition("/Architecture/")[0], rooms[0].id)
+        own_id = _opening_id(opening.id)
         owners[own_id] = owner
-        if one.id in doors:
-            stated[own_id] = doors[one.id]
-        openings.append(replace(one, id=own_id, room_ids=rooms_beside(one.box, floors)))
+        if opening.id in doors:
+            stated[own_id] = doors[opening.id]
+        openings.append(replace(opening, id=own_id, room_ids=rooms_beside(opening.box, floors)))
     graph = replace(
         scene.graph,
         rooms=rooms,
@@ -257,13 +263,13 @@ def span_in_plan(tunnel: Tunnel) -> Span:
 def _carrying(item: Item) -> Item:
     """An item with its children in its own frame."""
 
-    def own(child: Item) -> Item:
+    def in_parent_frame(child: Item) -> Item:
         ((x_m, y_m),) = to_own(item.box, [child.box.center_m[:2]]).tolist()
         z_m = child.box.center_m[2] - item.box.center_m[2]
         yaw_deg = child.box.yaw_deg - item.box.yaw_deg
         return replace(child, box=replace(child.box, center_m=(x_m, y_m, z_m), yaw_deg=yaw_deg))
 
-    return replace(item, children=tuple(map(own, item.children)))
+    return replace(item, children=tuple(map(in_parent_frame, item.children)))
 
 
 def _in_room(item: Item, names: dict[str, str]) -> Item:
@@ -301,12 +307,12 @@ def whole_rooms(scene: StageScene) -> tuple[StageScene, dict[str, str]]:
         ]  # fmt: skip
     if not scene.shafts:
         return scene, {}
-    openings = tuple(one for one in scene.graph.openings if not _is_within(one, rooms))
+    openings = tuple(opening for opening in scene.graph.openings if not _is_within(opening, rooms))
     return replace(scene, graph=replace(scene.graph, rooms=tuple(rooms), openings=openings)), inside
 
 
-def _seam_m(one: Polygon, other: Polygon) -> float:
-    near = one.buffer(_TOUCH_M, join_style="mitre").intersection(other.exterior)
+def _seam_m(first: Polygon, second: Polygon) -> float:
+    near = first.buffer(_TOUCH_M, join_style="mitre").intersection(second.exterior)
     return float(near.length)
 
 

@@ -117,8 +117,8 @@ def _drawing(storeys: Sequence[str]) -> Iterator[Any]:
         document.header["$MEASUREMENT"] = 1
         for storey in storeys:
             for name, colour in (_LAYERS | _STAIRS if storey else _LAYERS).items():
-                own = storey_layer(storey, name) if storey else name
-                layer = document.layers.add(own, color=colour)
+                layer_name = storey_layer(storey, name) if storey else name
+                layer = document.layers.add(layer_name, color=colour)
                 if name == "PASSAGES":
                     layer.dxf.linetype = "DASHED"
         yield document
@@ -212,8 +212,8 @@ class _Sheet:
             heights = triangles[:, 0, 2].round(3)
             upward = _double_area(triangles) > _GRID_M
             for height_m in np.unique(heights[level & upward]):
-                own = triangles[level & upward & (heights == height_m)][:, :, :2]
-                step = shapely.union_all(shapely.polygons(own), grid_size=_GRID_M)
+                faces = triangles[level & upward & (heights == height_m)][:, :, :2]
+                step = shapely.union_all(shapely.polygons(faces), grid_size=_GRID_M)
                 for part in polygons_of(step):
                     self._outline(list(part.exterior.coords)[:-1], "STAIRS", float(height_m))
         walk = np.round(stair.walk_m[:, :2], 5).tolist()
@@ -248,7 +248,7 @@ class _Sheet:
         drawn: list[Polygon] = []
         for shadow in (whole, *shadows):
             for part in polygons_of(shadow.simplify(_SIMPLER_M)):
-                known = any(part.symmetric_difference(one).area < 1e-3 for one in drawn)
+                known = any(part.symmetric_difference(other).area < 1e-3 for other in drawn)
                 if not known and part.area > _LEAST_PART * whole.area:
                     drawn.append(part)
                     for ring in (part.exterior, *part.interiors):

@@ -1,6 +1,6 @@
 """A stage as a scene data set of Habitat: a stage, objects, a scene with their places, regions.
 
-Files are those of habitat-sim's page "Using JSON Files to configure Attributes"; Habitat is Y up.
+Files follow habitat-sim's page "Using JSON Files to configure Attributes"; Habitat is Y up.
 """
 
 from __future__ import annotations
@@ -152,12 +152,12 @@ class _Templates:
                 name = f"{thing.name}_look_{number}"
             self._assets[thing.model] = name
             write_glb(self._stage, self._folder / f"{name}.glb", TEXTURE_PX, root=thing.prim)
-            felt = self._felt(thing.prim)
-            if felt is not None:
-                felt.export(self._folder / f"{name}.collision.glb")
+            collider = self._collider(thing.prim)
+            if collider is not None:
+                collider.export(self._folder / f"{name}.collision.glb")
         return self._assets[thing.model]
 
-    def _felt(self, prim: Usd.Prim) -> trimesh.Scene | None:
+    def _collider(self, prim: Usd.Prim) -> trimesh.Scene | None:
         """Convex parts that collide, in the frame of the prim, Y up; None for what has none."""
         scene = trimesh.Scene()
         for part in Usd.PrimRange(prim, _PROXIES):
@@ -168,15 +168,15 @@ class _Templates:
         return scene if scene.geometry else None
 
     def _template(self, thing: Thing, asset: str) -> dict[str, Any]:
-        has_felt = (self._folder / f"{asset}.collision.glb").is_file()
-        solid = f"{asset}.collision.glb" if has_felt else f"{asset}.glb"
-        told: dict[str, Any] = {"render_asset": f"{asset}.glb", "collision_asset": solid}
-        told |= _UPRIGHT | {"join_collision_meshes": False, "is_collidable": has_felt}
+        has_collider = (self._folder / f"{asset}.collision.glb").is_file()
+        solid = f"{asset}.collision.glb" if has_collider else f"{asset}.glb"
+        template: dict[str, Any] = {"render_asset": f"{asset}.glb", "collision_asset": solid}
+        template |= _UPRIGHT | {"join_collision_meshes": False, "is_collidable": has_collider}
         if thing.mass_kg > 0.0:
-            told["mass"] = round(thing.mass_kg, 4)
+            template["mass"] = round(thing.mass_kg, 4)
         if thing.category in _SEMANTIC_IDS:
-            told["semantic_id"] = _SEMANTIC_IDS[thing.category]
-        return told | {"user_defined": {"class": thing.category}}
+            template["semantic_id"] = _SEMANTIC_IDS[thing.category]
+        return template | {"user_defined": {"class": thing.category}}
 
 
 def _convex(part: Usd.Prim) -> trimesh.Trimesh | None:
@@ -214,16 +214,16 @@ def _instance(thing: Thing, templates: _Templates, frames: Frames) -> dict[str, 
 def _lights(stage: Usd.Stage, frames: Frames) -> Iterator[tuple[str, dict[str, Any]]]:
     """Lamps and the sun, at the brightness that a .glb has them; Habitat knows no spots."""
     for prim in stage.Traverse():
-        told = light_of(prim) if prim.HasAPI(UsdLux.LightAPI) else None
-        if told is None:
+        light = light_of(prim) if prim.HasAPI(UsdLux.LightAPI) else None
+        if light is None:
             continue
         pose = frames.of(prim)
-        own = {"color": told["color"], "intensity": round(told["intensity"] / LUX_PER_UNIT, 4)}
-        if told["type"] == "directional":
-            own |= {"type": "directional", "direction": _turned(-rigid(pose)[:3, 2])}
+        entry = {"color": light["color"], "intensity": round(light["intensity"] / LUX_PER_UNIT, 4)}
+        if light["type"] == "directional":
+            entry |= {"type": "directional", "direction": _turned(-rigid(pose)[:3, 2])}
         else:
-            own |= {"type": "point", "position": _turned(pose[:3, 3])}
-        yield prim.GetName(), own | {"position_model": "global"}
+            entry |= {"type": "point", "position": _turned(pose[:3, 3])}
+        yield prim.GetName(), entry | {"position_model": "global"}
 
 
 def _semantics(stage: Usd.Stage) -> dict[str, Any]:
@@ -252,8 +252,8 @@ def _hidden(stage: Usd.Stage, prims: Sequence[Usd.Prim]) -> Iterator[None]:
     layer = Sdf.Layer.CreateAnonymous()
     stage.GetSessionLayer().subLayerPaths.append(layer.identifier)
     with Usd.EditContext(stage, layer):
-        lights = [one for one in stage.Traverse() if one.HasAPI(UsdLux.LightAPI)]
-        cameras = [one for one in stage.Traverse() if one.IsA(UsdGeom.Camera)]
+        lights = [prim for prim in stage.Traverse() if prim.HasAPI(UsdLux.LightAPI)]
+        cameras = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Camera)]
         for prim in (*prims, *lights, *cameras):
             prim.SetActive(False)
     try:

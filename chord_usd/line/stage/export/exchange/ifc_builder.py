@@ -1,7 +1,7 @@
 """An IFC4 file being written: identifiers, placements, bodies, relations. Lengths in metres.
 
 Entities are made directly, not through ifcopenshell.api: its identifiers are random, and the same
-house shall be the same bytes.
+house must give the same bytes.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ class IfcBuilder:
 
     def rooted(self, kind: str, key: str, name: str = "", **values: Any) -> Entity:
         """An entity with an identifier, the same for the same key of the same house."""
-        own = self._compress(uuid.uuid5(self._house, f"{kind}/{self.within}{key}").hex)
-        return self.add(kind, GlobalId=own, Name=label(name) or None, **values)
+        guid = self._compress(uuid.uuid5(self._house, f"{kind}/{self.within}{key}").hex)
+        return self.add(kind, GlobalId=guid, Name=label(name) or None, **values)
 
     def relate(self, kind: str, key: str, **values: Any) -> None:
         """A relation between rooted entities."""
@@ -191,17 +191,21 @@ class IfcBuilder:
             self.add("IfcPropertySingleValue", Name=name, NominalValue=self._value(value))
             for name, value in values.items()
         ]
-        own = f"{key}/{named}" if named else key
-        held = self.rooted("IfcPropertySet", own, named or "ChordUsd", HasProperties=properties)
-        self._define(element, own, held)
+        full_key = f"{key}/{named}" if named else key
+        held = self.rooted(
+            "IfcPropertySet", full_key, named or "ChordUsd", HasProperties=properties
+        )
+        self._define(element, full_key, held)
 
     def measure(self, element: Entity, key: str, values: Mapping[str, float]) -> None:
         """Base quantities of an element by their names, which say lengths, areas and volumes."""
         quantities = []
         for name, value in values.items():
-            unit = next((one for one in ("Area", "Volume") if name.endswith(one)), "Length")
-            told = {f"{unit}Value": round(float(value), 4)}
-            quantities.append(self.add(f"IfcQuantity{unit}", Name=name, **told))
+            unit = next(
+                (suffix for suffix in ("Area", "Volume") if name.endswith(suffix)), "Length"
+            )
+            amount = {f"{unit}Value": round(float(value), 4)}
+            quantities.append(self.add(f"IfcQuantity{unit}", Name=name, **amount))
         kind = str(element.is_a()).removeprefix("Ifc")
         name = f"Qto_{kind}BaseQuantities"
         held = self.rooted("IfcElementQuantity", f"{key}/{name}", name, Quantities=quantities)

@@ -21,11 +21,11 @@ def add_furniture(
 ) -> dict[str, list[Entity]]:
     """Elements by the id of the room they are in; not yet contained in anything."""
     shop = _Shop(stage, builder, storey.ObjectPlacement)
-    found: dict[str, list[Entity]] = defaultdict(list)
+    elements: dict[str, list[Entity]] = defaultdict(list)
     for piece in pieces_of(stage, house):
-        found[piece.item.room_id].append(shop.element(piece))
+        elements[piece.item.room_id].append(shop.element(piece))
     shop.finish()
-    return found
+    return elements
 
 
 class _Shop:
@@ -106,7 +106,8 @@ class _Looks:
         self._means: dict[str, tuple[float, ...]] = {}
 
     def rgba(self, stage: Usd.Stage, path: str) -> Sequence[float] | None:
-        """(4,) red, green, blue, opacity; None for a mesh without a material that tells."""
+        """(4,) red, green, blue, opacity; None for a mesh without a material that states a
+        colour."""
         material = bound_material(stage.GetPrimAtPath(path))
         shader: UsdShade.Shader | None = material.ComputeSurfaceSource()[0] if material else None
         if not shader:

@@ -49,7 +49,7 @@ _RETYPED = {
     "fallback": Types.Color4f,
     "rgb": Types.Color3f,
 }
-"""Inputs and outputs of other types; those of UsdTransform2d keep theirs."""
+"""Inputs and outputs whose type changes; UsdTransform2d keeps its types."""
 
 _WRAP = {"repeat": "periodic", "clamp": "clamp", "mirror": "mirror", "black": "constant"}
 _SPACES = {"sRGB": "srgb_texture", "raw": "raw"}
@@ -96,17 +96,17 @@ def _prims(layer: Sdf.Layer) -> Iterator[Sdf.PrimSpec]:
 
 
 def _networks(layers: list[Sdf.Layer]) -> _Networks:
-    found = _Networks({}, {})
+    networks = _Networks({}, {})
     for layer in layers:
         for spec in _prims(layer):
             identity = spec.attributes.get("info:id")
             if identity is not None and str(identity.default) in NODES:
                 key = spec.nameParent.name, spec.name
-                found.ids[key] = str(identity.default)
+                networks.ids[key] = str(identity.default)
                 space = spec.attributes.get("inputs:sourceColorSpace")
                 if space is not None:
-                    found.spaces[key] = str(space.default)
-    return found
+                    networks.spaces[key] = str(space.default)
+    return networks
 
 
 def _shaders(layer: Sdf.Layer, networks: _Networks) -> Iterator[Sdf.PrimSpec]:
@@ -168,8 +168,8 @@ def _twin_of(path: Sdf.Path, twin: Sdf.PrimSpec, *, as_vector: bool) -> Sdf.Path
     if prim == twin.nameParent.path.StripAllVariantSelections():
         return path  # a value that the material itself offers
     source = prim.ReplaceName(prim.name + SUFFIX)
-    found = source.AppendProperty(f"outputs:{_OUTPUTS.get(output, output)}")
-    return _vector(found, twin.nameParent) if as_vector else found
+    target = source.AppendProperty(f"outputs:{_OUTPUTS.get(output, output)}")
+    return _vector(target, twin.nameParent) if as_vector else target
 
 
 def _vector(colour: Sdf.Path, material: Sdf.PrimSpec) -> Sdf.Path:

@@ -79,7 +79,7 @@ def mechanism_of(stage: Usd.Stage, frames: Frames) -> Mechanism:
         for prim in Usd.PrimRange.Stage(stage, PROXIES)
         if prim.IsA(UsdPhysics.Joint)
     ]
-    joints = [one for one in joints if one.GetJointEnabledAttr().Get()]
+    joints = [joint for joint in joints if joint.GetJointEnabledAttr().Get()]
     held = {
         target
         for joint in joints
@@ -92,13 +92,13 @@ def mechanism_of(stage: Usd.Stage, frames: Frames) -> Mechanism:
 
     def gather(prim: Usd.Prim, owner: Body) -> None:
         for child in prim.GetFilteredChildren(PROXIES):
-            own = _starts(child, owner, held, frames)
-            if own:
-                bodies.append(own)
-            (own or owner).parts.append(child)
-            owners[str(child.GetPath())] = own or owner
+            body = _starts(child, owner, held, frames)
+            if body:
+                bodies.append(body)
+            (body or owner).parts.append(child)
+            owners[str(child.GetPath())] = body or owner
             if not child.IsA(UsdGeom.PointInstancer):
-                gather(child, own or owner)
+                gather(child, body or owner)
 
     gather(stage.GetPseudoRoot(), world)
     return _tie(bodies, owners, joints, frames)
@@ -107,9 +107,9 @@ def mechanism_of(stage: Usd.Stage, frames: Frames) -> Mechanism:
 def _starts(child: Usd.Prim, owner: Body, held: set, frames: Frames) -> Body | None:
     """The body that begins at a prim."""
     if child.HasAPI(UsdPhysics.RigidBodyAPI):
-        told = UsdPhysics.RigidBodyAPI(child)
-        if told.GetRigidBodyEnabledAttr().Get():
-            is_led = bool(told.GetKinematicEnabledAttr().Get())
+        api = UsdPhysics.RigidBodyAPI(child)
+        if api.GetRigidBodyEnabledAttr().Get():
+            is_led = bool(api.GetKinematicEnabledAttr().Get())
             return Body(child, rigid(frames.of(child)), moves=not is_led, is_led=is_led)
     if owner.moves or owner.is_led or not child.IsA(UsdGeom.Xformable):
         return None
@@ -126,11 +126,11 @@ def _tie(
     loops, left_out, apart = [], [], []
     for joint in joints:
         path = str(joint.GetPath())
-        found = list(_ends(joint, owners, frames))
-        if len(found) < 2:
+        ends = list(_ends(joint, owners, frames))
+        if len(ends) < 2:
             left_out.append(path)
             continue
-        (parent, base), (child, tip) = found
+        (parent, base), (child, tip) = ends
         flipped = not child.moves or (child.parent is not None and parent.moves)
         if flipped:
             parent, child = child, parent
@@ -149,7 +149,7 @@ def _tie(
             continue
         child.parent = parent
         inverse = np.linalg.inv(child.pose)
-        child.links += [one.seen_from(inverse) for one in dofs]
+        child.links += [dof.seen_from(inverse) for dof in dofs]
     return Mechanism(tuple(bodies), tuple(loops), tuple(apart), tuple(left_out))
 
 

@@ -56,9 +56,9 @@ def rigid(matrix: FloatArray) -> FloatArray:
 
 def scale_of(matrix: FloatArray) -> FloatArray | None:
     """(3,) of a frame along its own axes; None for one that is skewed."""
-    own = rigid(matrix)[:3, :3].T @ matrix[:3, :3]
-    scale = np.diag(own)
-    square = np.abs(own - np.diag(scale)).max() <= STRAIGHT * np.abs(scale).max()
+    stretch = rigid(matrix)[:3, :3].T @ matrix[:3, :3]
+    scale = np.diag(stretch)
+    square = np.abs(stretch - np.diag(scale)).max() <= STRAIGHT * np.abs(scale).max()
     return scale if square else None
 
 
@@ -81,10 +81,10 @@ def numbers(values: Iterable[float]) -> str:
 
 def placed(matrix: FloatArray) -> dict[str, str]:
     """Attributes pos and quat of a rigid frame; those that change nothing are left out."""
-    told: dict[str, Any] = {}
+    attributes: dict[str, Any] = {}
     if np.abs(matrix[:3, 3]).max() > 0.5 * 10.0**-_DIGITS:
-        told["pos"] = numbers(matrix[:3, 3])
+        attributes["pos"] = numbers(matrix[:3, 3])
     x, y, z, w = Rotation.from_matrix(matrix[:3, :3]).as_quat(canonical=True)
     if abs(w) < 1.0 - 1e-12:
-        told["quat"] = numbers((w, x, y, z))
-    return told
+        attributes["quat"] = numbers((w, x, y, z))
+    return attributes

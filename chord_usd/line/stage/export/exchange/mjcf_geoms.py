@@ -21,13 +21,13 @@ _ROUND = 24
 """Corners of the rim of a cone."""
 
 _SHEET_M = 0.004
-"""How thick surfaces are felt; through thinner ones things fall."""
+"""Thickness of the colliders of surfaces; things fall through thinner colliders."""
 
 _THIN_M = 1e-3
 """What is flat gets this thickness, for a hull must have a volume."""
 
 _CONVEX = 0.97
-"""Share of its hull that a part must fill to be felt as that."""
+"""Share of its hull that a part must fill to collide as the hull."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """What is felt as triangles, in the frame of its body."""
+    """A collider of triangles, in the frame of its body."""
 
     points: FloatArray
     """(N, 3)"""
@@ -50,12 +50,12 @@ class Surface:
 
     def element(self, name: str, friction: str) -> ET.Element:
         """Of a body that stands still: MuJoCo makes hulls of all meshes, and a tub is none."""
-        told = {
+        attributes = {
             "name": name, "type": "direct", "dim": "2", "rigid": "true", "mass": "1",
             "radius": numbers([_SHEET_M]), "group": "3", "point": numbers(self.points.ravel()),
             "element": " ".join(map(str, self.triangles.ravel().tolist())),
         }  # fmt: skip
-        element = ET.Element("flexcomp", told)
+        element = ET.Element("flexcomp", attributes)
         ET.SubElement(element, "contact", selfcollide="none", friction=friction)
         return element
 
@@ -108,16 +108,16 @@ def _box(frame: FloatArray, middle: FloatArray, half: FloatArray) -> Shape:
     pose = rigid(frame)
     pose[:3, 3] = (frame @ [*middle, 1.0])[:3]
     size = np.maximum(np.abs(scale) * half, _THIN_M / 2)
-    told = {"type": "box", "size": numbers(size), **placed(pose)}
-    return Shape(told, float(8.0 * np.prod(size)))
+    attributes = {"type": "box", "size": numbers(size), **placed(pose)}
+    return Shape(attributes, float(8.0 * np.prod(size)))
 
 
 def _to_z(prim: UsdGeom.Gprim) -> FloatArray:
     """(4, 4) that turns z to the axis of a prim."""
     turn = np.eye(4)
     way = {"X": (0.0, 90.0, 0.0), "Y": (-90.0, 0.0, 0.0), "Z": (0.0, 0.0, 0.0)}
-    told = way[prim.GetAxisAttr().Get()]
-    turn[:3, :3] = Rotation.from_euler("xyz", told, degrees=True).as_matrix()
+    angles_deg = way[prim.GetAxisAttr().Get()]
+    turn[:3, :3] = Rotation.from_euler("xyz", angles_deg, degrees=True).as_matrix()
     return turn
 
 
@@ -135,8 +135,8 @@ def _round(prim: UsdGeom.Gprim, kind: str, frame: FloatArray) -> Shape:
         return _hull(points @ frame[:3, :3].T + frame[:3, 3])
     across, long = radius * abs(scale[0]), half * abs(scale[2])
     ends = 4 / 3 * math.pi * across**3 if kind == "capsule" else 0.0
-    told = {"type": kind, "size": numbers([across, long]), **placed(rigid(frame))}
-    return Shape(told, float(math.pi * across**2 * 2 * long + ends))
+    attributes = {"type": kind, "size": numbers([across, long]), **placed(rigid(frame))}
+    return Shape(attributes, float(math.pi * across**2 * 2 * long + ends))
 
 
 def _hull(points: FloatArray) -> Shape:
@@ -155,17 +155,17 @@ def _hull(points: FloatArray) -> Shape:
 
 def _mesh_shapes(prim: Usd.Prim, frame: FloatArray, *, moves: bool) -> Iterator[Shape | Surface]:
     mesh = UsdGeom.Mesh(prim)
-    own = np.array(mesh.GetPointsAttr().Get() or np.zeros((0, 3)), dtype=np.float64)
+    local = np.array(mesh.GetPointsAttr().Get() or np.zeros((0, 3)), dtype=np.float64)
     corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64)
-    if not len(own) or not len(corners):
+    if not len(local) or not len(corners):
         return
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get(), dtype=np.int64)
-    points = own @ frame[:3, :3].T + frame[:3, 3]
+    points = local @ frame[:3, :3].T + frame[:3, 3]
     how = "none"
     if prim.HasAPI(UsdPhysics.MeshCollisionAPI):
         how = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get()
     if how == "boundingCube":
-        low, high = own.min(axis=0), own.max(axis=0)
+        low, high = local.min(axis=0), local.max(axis=0)
         yield _box(frame, (low + high) / 2, (high - low) / 2)
     elif how == "boundingSphere":
         pose = np.eye(4)
@@ -200,9 +200,9 @@ def _parts(points: FloatArray, triangles: np.ndarray, *, moves: bool) -> Iterato
 def friction_of(prim: Usd.Prim) -> str | None:
     """Friction of a collider; None where its stage says nothing.
 
-    MuJoCo has one number: that which things slide by. Turning and rolling keep what it has.
+    MuJoCo has one number: the friction of sliding. Turning and rolling keep what it has.
     """
-    material = _felt(prim)
+    material = _physics_material(prim)
     if material is None:
         return None
     return numbers([max(material.GetDynamicFrictionAttr().Get(), 1e-4), 0.005, 0.0001])
@@ -210,11 +210,11 @@ def friction_of(prim: Usd.Prim) -> str | None:
 
 def density_of(prim: Usd.Prim) -> float:
     """Of a collider's material, as the stage counts; 0 where it says nothing."""
-    material = _felt(prim)
+    material = _physics_material(prim)
     return float(material.GetDensityAttr().Get()) if material else 0.0
 
 
-def _felt(prim: Usd.Prim) -> UsdPhysics.MaterialAPI | None:
+def _physics_material(prim: Usd.Prim) -> UsdPhysics.MaterialAPI | None:
     bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")[0]
-    has_feel = bound and bound.GetPrim().HasAPI(UsdPhysics.MaterialAPI)
-    return UsdPhysics.MaterialAPI(bound.GetPrim()) if has_feel else None
+    has_physics = bound and bound.GetPrim().HasAPI(UsdPhysics.MaterialAPI)
+    return UsdPhysics.MaterialAPI(bound.GetPrim()) if has_physics else None

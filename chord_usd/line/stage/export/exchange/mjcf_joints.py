@@ -57,16 +57,16 @@ class Link:
 
     def attributes(self) -> dict[str, str]:
         """Of a `<joint>`."""
-        told = {"name": self.name, "type": self.kind}
+        attributes = {"name": self.name, "type": self.kind}
         if np.abs(self.at).max() > 1e-9 and self.kind != "slide":
-            told["pos"] = numbers(self.at)
+            attributes["pos"] = numbers(self.at)
         if self.kind != "ball":
-            told["axis"] = numbers(self.axis)
+            attributes["axis"] = numbers(self.axis)
         if self.limits:
-            told["range"] = numbers(self.limits)
+            attributes["range"] = numbers(self.limits)
         if abs(self.now) > 1e-6:
-            told["ref"] = numbers([self.now])
-        return told | {name: f"{value:.6g}" for name, value in self.drive.items()}
+            attributes["ref"] = numbers([self.now])
+        return attributes | {name: f"{value:.6g}" for name, value in self.drive.items()}
 
 
 def degrees_of_freedom(
@@ -78,17 +78,17 @@ def degrees_of_freedom(
     """
     prim = joint.GetPrim()
     name = dotted(prim.GetPath())
-    told = _Told(prim, name, base, tip, frames.metres, -1.0 if flipped else 1.0)
+    reader = _JointReader(prim, name, base, tip, frames.metres, -1.0 if flipped else 1.0)
     if prim.IsA(UsdPhysics.FixedJoint):
         return "fixed", []
     if prim.IsA(UsdPhysics.RevoluteJoint):
         hinge = UsdPhysics.RevoluteJoint(prim)
         limits = hinge.GetLowerLimitAttr().Get(), hinge.GetUpperLimitAttr().Get()
-        return "hinge", told.hinge(name, hinge.GetAxisAttr().Get(), limits, "angular")
+        return "hinge", reader.hinge(name, hinge.GetAxisAttr().Get(), limits, "angular")
     if prim.IsA(UsdPhysics.PrismaticJoint):
         slide = UsdPhysics.PrismaticJoint(prim)
         limits = slide.GetLowerLimitAttr().Get(), slide.GetUpperLimitAttr().Get()
-        return "slide", told.slide(name, slide.GetAxisAttr().Get(), limits, "linear")
+        return "slide", reader.slide(name, slide.GetAxisAttr().Get(), limits, "linear")
     if prim.IsA(UsdPhysics.SphericalJoint):
         ball = UsdPhysics.SphericalJoint(prim)
         cone = ball.GetConeAngle0LimitAttr().Get(), ball.GetConeAngle1LimitAttr().Get()
@@ -96,12 +96,12 @@ def degrees_of_freedom(
         limited = (0.0, widest) if min(cone) > 0.0 else None
         return "ball", [Link(name, "ball", tip.pose[:3, 3], _AXES["X"], limited, 0.0, {})]
     if prim.GetTypeName() == "PhysicsJoint":
-        return told.any_freedom()
+        return reader.any_freedom()
     return "", []
 
 
 @dataclass(frozen=True, eq=False)
-class _Told:
+class _JointReader:
     """A joint being read."""
 
     prim: Any
@@ -163,15 +163,15 @@ class _Told:
         return [Link(name, kind, self.tip.pose[:3, 3], way, limited, now, drive)]
 
     def _driven(self, which: str, unit: float, length: float) -> dict[str, float]:
-        """Springs and dampers. unit: of the stage's angles, in those of MJCF's forces; length: of
-        its targets, in those of MJCF's joints."""
+        """Springs and dampers. unit: from the stage's angles to the angles of MJCF's forces;
+        length: from the stage's targets to the positions of MJCF's joints."""
         if not self.prim.HasAPI(UsdPhysics.DriveAPI, which):
             return {}
         drive = UsdPhysics.DriveAPI(self.prim, which)
         damping = drive.GetDampingAttr().Get() / unit
         stiffness = drive.GetStiffnessAttr().Get() / unit
-        told = {"damping": damping} if damping else {}
+        attributes = {"damping": damping} if damping else {}
         if stiffness:
             target = drive.GetTargetPositionAttr().Get() or 0.0
-            told |= {"stiffness": stiffness, "springref": target * length}
-        return told
+            attributes |= {"stiffness": stiffness, "springref": target * length}
+        return attributes

@@ -55,7 +55,7 @@ class Assets:
     # Materials ------------------------------------------------------------------------------------
 
     def look_of(self, prim: Usd.Prim) -> Look:
-        """The look that a gprim wears: a material, or the colour it shows itself."""
+        """The look of a gprim: its material, or its display colour."""
         material = bound_material(prim)
         shader = material.ComputeSurfaceSource()[0] if material else None
         if material is None or not shader:
@@ -71,26 +71,26 @@ class Assets:
         rgb = value_of(texture, "scale", (1.0,) * 4)[:3] if texture else plain
         glow = np.array(value_of(shader, "emissiveColor", (0.0,) * 3), dtype=np.float64)
         rough = float(value_of(shader, "roughness", 0.5))
-        told = {
+        attributes = {
             "specular": numbers([0.5 * (1.0 - rough)]), "shininess": numbers([(1.0 - rough) ** 2]),
             "roughness": numbers([rough]),
             "metallic": numbers([float(value_of(shader, "metallic", 0.0))]),
         }  # fmt: skip
         if glow.max() > 0.0:
-            told["emission"] = numbers([min(float(glow.max()), 1.0)])
+            attributes["emission"] = numbers([min(float(glow.max()), 1.0)])
         opacity = float(value_of(shader, "opacity", 1.0))
         if texture:
-            told["texture"] = self._picture(texture)
+            attributes["texture"] = self._picture(texture)
         colour = [*_as_shown(rgb), opacity] if not texture else [*rgb, opacity]
-        name = self._material(material.GetPrim().GetName(), colour, told)
+        name = self._material(material.GetPrim().GetName(), colour, attributes)
         return name, placement_of(texture) if texture else None
 
-    def _material(self, name: str, rgba: list[float], told: dict[str, str]) -> str:
-        told = {"rgba": numbers(np.clip(rgba, 0.0, 1.0)), **told}
-        content = json.dumps(told, sort_keys=True)
+    def _material(self, name: str, rgba: list[float], attributes: dict[str, str]) -> str:
+        attributes = {"rgba": numbers(np.clip(rgba, 0.0, 1.0)), **attributes}
+        content = json.dumps(attributes, sort_keys=True)
         if content not in self._same:
             self._same[content] = self._free("material", name)
-            ET.SubElement(self.element, "material", {"name": self._same[content], **told})
+            ET.SubElement(self.element, "material", {"name": self._same[content], **attributes})
         return self._same[content]
 
     def _picture(self, texture: UsdShade.Shader) -> str:
@@ -106,8 +106,8 @@ class Assets:
             place = self._folder / TEXTURES / f"{name}.png"
             place.parent.mkdir(exist_ok=True)
             shown.save(place, compress_level=3)
-            told = {"name": name, "type": "2d", "file": place.name, "colorspace": "sRGB"}
-            ET.SubElement(self.element, "texture", told)
+            attributes = {"name": name, "type": "2d", "file": place.name, "colorspace": "sRGB"}
+            ET.SubElement(self.element, "texture", attributes)
             self._pictures[key] = name
         return self._pictures[key]
 
@@ -122,23 +122,23 @@ class Assets:
         if key not in self._meshes:
             self._meshes[key] = self._free("mesh", Path(file).stem)
             # Sheets have no volume; what is seen weighs nothing anyway.
-            told = {"name": self._meshes[key], "file": file, "inertia": "shell"}
-            told |= {} if np.allclose(scale, 1.0) else {"scale": numbers(scale)}
-            ET.SubElement(self.element, "mesh", told)
+            attributes = {"name": self._meshes[key], "file": file, "inertia": "shell"}
+            attributes |= {} if np.allclose(scale, 1.0) else {"scale": numbers(scale)}
+            ET.SubElement(self.element, "mesh", attributes)
         return self._meshes[key]
 
     def hull(self, points: FloatArray) -> str:
-        """Name of a mesh that is felt as the hull of points, (N, 3). It is a file: Drake passes
-        over vertices in the model."""
-        told = numbers(points.ravel())
-        if told not in self._hulls:
+        """Name of a mesh that collides as the hull of points, (N, 3). It is a file: Drake ignores
+        vertices in the model."""
+        text = numbers(points.ravel())
+        if text not in self._hulls:
             solid = trimesh.convex.convex_hull(points)
             around = Vertices(solid.vertices, solid.vertex_normals, None, solid.faces)
-            self._hulls[told] = self._free("mesh", "hull")
+            self._hulls[text] = self._free("mesh", "hull")
             file = self._written("hull", [around])
-            one = {"name": self._hulls[told], "file": file, "inertia": "convex"}
-            ET.SubElement(self.element, "mesh", one)
-        return self._hulls[told]
+            attributes = {"name": self._hulls[text], "file": file, "inertia": "convex"}
+            ET.SubElement(self.element, "mesh", attributes)
+        return self._hulls[text]
 
     def _file(self, name: str, parts: list[Vertices]) -> str | None:
         triangles = np.vstack([part.points[part.triangles] for part in parts])
@@ -162,9 +162,9 @@ class Assets:
         """A name that nothing else of its kind has, not even in capitals: files have them too."""
         taken = (f"{name}_{number}" for number in itertools.count(2))
         free = next(
-            one
-            for one in itertools.chain([name], taken)
-            if (kind, one.casefold()) not in self._names
+            candidate
+            for candidate in itertools.chain([name], taken)
+            if (kind, candidate.casefold()) not in self._names
         )
         self._names.add((kind, free.casefold()))
         return free
@@ -174,14 +174,14 @@ def seen_of(
     prim: Usd.Prim, frame: FloatArray, placement: FloatArray | None
 ) -> Vertices | None:  # fmt: skip
     """The mesh of a prim in a frame of its body; three points are drawn from both sides."""
-    found = vertices_of(prim, frame, placement)
-    if found is None or len(found.points) > 3:
-        return found
+    vertices = vertices_of(prim, frame, placement)
+    if vertices is None or len(vertices.points) > 3:
+        return vertices
     return Vertices(
-        np.vstack([found.points, found.points]),
-        np.vstack([found.normals, -found.normals]),
-        None if found.uvs is None else np.vstack([found.uvs, found.uvs]),
-        np.vstack([found.triangles, found.triangles[:, ::-1] + len(found.points)]),
+        np.vstack([vertices.points, vertices.points]),
+        np.vstack([vertices.normals, -vertices.normals]),
+        None if vertices.uvs is None else np.vstack([vertices.uvs, vertices.uvs]),
+        np.vstack([vertices.triangles, vertices.triangles[:, ::-1] + len(vertices.points)]),
     )
 
 
@@ -205,12 +205,14 @@ def _obj(parts: list[Vertices]) -> str:
 
 def _plain(name: str) -> str:
     """A name of a file that every system can have."""
-    kept = "".join(one if one.isascii() and (one.isalnum() or one in "_-") else "_" for one in name)
+    kept = "".join(
+        char if char.isascii() and (char.isalnum() or char in "_-") else "_" for char in name
+    )
     return kept[:80] or "unnamed"
 
 
 def _shown(prim: Usd.Prim) -> list[float]:
-    """Colour of what wears no material."""
+    """Colour of a gprim without a material."""
     primvar = UsdGeom.Gprim(prim).GetDisplayColorPrimvar()
     colours = primvar.ComputeFlattened() if primvar else None
     return [*_as_shown(colours[0] if colours else _GREY), 1.0]

@@ -20,8 +20,8 @@ from chord_usd.line.stage.export.exchange.mjcf_geoms import Shape, density_of
 
 _WATER_KG_PER_M3 = 1000.0
 _LEAST_KG_M2 = 1e-9
-_UNFELT_KG, _UNFELT_M = 1.0, 0.05
-"""Mass and radius of a body that nothing says anything about."""
+_DEFAULT_KG, _DEFAULT_M = 1.0, 0.05
+"""Mass and radius of a body without any statement of either."""
 
 STILL = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
 """Of a body that stands still, where no engine asks for it, but Drake computes one from meshes if
@@ -43,7 +43,7 @@ class Masses:
         self._kg = UsdPhysics.GetStageKilogramsPerUnit(stage)
 
     def share(
-        self, body: Usd.Prim, element: ET.Element, felt: list[PieceOfMass], frames: Frames
+        self, body: Usd.Prim, element: ET.Element, colliders: list[PieceOfMass], frames: Frames
     ) -> None:
         """Give a body its inertial element.
 
@@ -51,23 +51,23 @@ class Masses:
         material.
         """
         per_m3 = self._kg / frames.metres**3
-        dense = _told(body, "density") * per_m3
-        shares = [self._own(one, dense, per_m3) for one in felt]
-        whole = _told(body, "mass") * self._kg
+        dense = _stated(body, "density") * per_m3
+        shares = [self._mass_of(collider, dense, per_m3) for collider in colliders]
+        whole = _stated(body, "mass") * self._kg
         if whole > 0.0 and sum(shares) > 0.0:
             shares = [share * whole / sum(shares) for share in shares]
         inertia = UsdPhysics.MassAPI(body).GetDiagonalInertiaAttr().Get()
         if sum(shares) <= 0.0 or (inertia and max(inertia) > 0.0):
-            _say(element, body, whole or sum(shares) or _UNFELT_KG, inertia, self._kg, frames)
+            _say(element, body, whole or sum(shares) or _DEFAULT_KG, inertia, self._kg, frames)
         else:
-            element.insert(0, _summed([one.shape for one in felt], shares))
+            element.insert(0, _summed([collider.shape for collider in colliders], shares))
 
-    def _own(self, one: PieceOfMass, dense: float, per_m3: float) -> float:
-        mass = _told(one.prim, "mass") * self._kg
+    def _mass_of(self, collider: PieceOfMass, dense: float, per_m3: float) -> float:
+        mass = _stated(collider.prim, "mass") * self._kg
         if mass > 0.0 and dense == 0.0:
             return mass
-        own = _told(one.prim, "density") or density_of(one.prim)
-        return (dense or own * per_m3 or _WATER_KG_PER_M3) * one.shape.volume_m3
+        density = _stated(collider.prim, "density") or density_of(collider.prim)
+        return (dense or density * per_m3 or _WATER_KG_PER_M3) * collider.shape.volume_m3
 
 
 def _summed(shapes: list[Shape], masses: list[float]) -> ET.Element:
@@ -76,9 +76,9 @@ def _summed(shapes: list[Shape], masses: list[float]) -> ET.Element:
     parts = [inertia_of(shape, mass) for shape, mass in zip(shapes, masses, strict=True)]
     centre = np.average([at for at, _ in parts], axis=0, weights=masses)
     tensor = np.zeros((3, 3))
-    for mass, (at, own) in zip(masses, parts, strict=True):
+    for mass, (at, inertia) in zip(masses, parts, strict=True):
         away = at - centre
-        tensor += own + mass * (away @ away * np.eye(3) - np.outer(away, away))
+        tensor += inertia + mass * (away @ away * np.eye(3) - np.outer(away, away))
     tensor += _LEAST_KG_M2 * np.eye(3)
     six = (*np.diag(tensor), tensor[0, 1], tensor[0, 2], tensor[1, 2])
     return ET.Element("inertial", {
@@ -87,7 +87,7 @@ def _summed(shapes: list[Shape], masses: list[float]) -> ET.Element:
     })  # fmt: skip
 
 
-def _told(prim: Usd.Prim, name: str) -> float:
+def _stated(prim: Usd.Prim, name: str) -> float:
     value = prim.GetAttribute(f"physics:{name}").Get() if prim.HasAPI(UsdPhysics.MassAPI) else None
     return float(value or 0.0)
 
@@ -99,17 +99,17 @@ def _say(
     api = UsdPhysics.MassAPI(body)
     diagonal = np.array(inertia if inertia else (0.0,) * 3) * kg * frames.metres**2
     if diagonal.max() <= 0.0:
-        diagonal = np.full(3, 0.4 * mass * _UNFELT_M**2)
-    told = {"pos": "0 0 0", "mass": f"{mass:.9g}", "diaginertia": numbers(diagonal)}
+        diagonal = np.full(3, 0.4 * mass * _DEFAULT_M**2)
+    attributes = {"pos": "0 0 0", "mass": f"{mass:.9g}", "diaginertia": numbers(diagonal)}
     middle = api.GetCenterOfMassAttr().Get()
     if middle is not None and np.isfinite(middle).all():
         matrix = frames.of(body)
         scale = np.linalg.norm(matrix[:3, :3], axis=0)
-        told["pos"] = numbers(np.array(middle) * scale)
+        attributes["pos"] = numbers(np.array(middle) * scale)
     axes = api.GetPrincipalAxesAttr().Get()
     if axes is not None and axes.GetLength() > 0.0:
-        told["quat"] = numbers([axes.GetReal(), *list(axes.GetImaginary())])
-    element.insert(0, ET.Element("inertial", told))
+        attributes["quat"] = numbers([axes.GetReal(), *list(axes.GetImaginary())])
+    element.insert(0, ET.Element("inertial", attributes))
 
 
 # Centres and moments of inertia of the solids that geoms of MJCF are -----------------------------
@@ -120,14 +120,14 @@ def inertia_of(shape: Shape, mass_kg: float) -> tuple[FloatArray, FloatArray]:
     the frame of its body."""
     if shape.hull is not None:
         return _of_hull(shape.hull, mass_kg)
-    told = shape.attributes
-    size = np.array([float(word) for word in told["size"].split()])
-    squares = mass_kg * _mean_squares(told["type"], size)
-    own = np.diag(squares.sum() - squares)
-    centre = np.array([float(word) for word in told.get("pos", "0 0 0").split()])
-    w, x, y, z = (float(word) for word in told.get("quat", "1 0 0 0").split())
+    attributes = shape.attributes
+    size = np.array([float(word) for word in attributes["size"].split()])
+    squares = mass_kg * _mean_squares(attributes["type"], size)
+    tensor = np.diag(squares.sum() - squares)
+    centre = np.array([float(word) for word in attributes.get("pos", "0 0 0").split()])
+    w, x, y, z = (float(word) for word in attributes.get("quat", "1 0 0 0").split())
     turn = Rotation.from_quat([x, y, z, w]).as_matrix()
-    return centre, turn @ own @ turn.T
+    return centre, turn @ tensor @ turn.T
 
 
 def _mean_squares(kind: str, size: FloatArray) -> FloatArray:

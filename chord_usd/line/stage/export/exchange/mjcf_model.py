@@ -101,37 +101,37 @@ class _Writer:
             part for body in mechanism.bodies for part in body.parts if part.HasAPI(UsdLux.LightAPI)
         ]
         for light in sorted(lights, key=strength):
-            told = light_attributes(light, rigid(self._frames.of(light)))
-            if told and _is_seen(light):
-                ET.SubElement(world, "light", {"name": name_of(light), **told})
+            attributes = light_attributes(light, rigid(self._frames.of(light)))
+            if attributes and _is_seen(light):
+                ET.SubElement(world, "light", {"name": name_of(light), **attributes})
 
     def _open(self, body: Body) -> None:
         """The element of a body, with its joints."""
         above = body.parent.pose if body.parent else np.eye(4)
         owner = self._elements[body.parent] if body.parent else next(iter(self._elements.values()))
-        told = {"name": body.name, **placed(np.linalg.inv(above) @ body.pose)}
+        attributes = {"name": body.name, **placed(np.linalg.inv(above) @ body.pose)}
         if body.is_led:
-            told["mocap"] = "true"
-        element = self._elements[body] = ET.SubElement(owner, "body", told)
+            attributes["mocap"] = "true"
+        element = self._elements[body] = ET.SubElement(owner, "body", attributes)
         if body.moves and body.parent is None:
             ET.SubElement(element, "freejoint", name=body.name)
         for link in body.links:
             ET.SubElement(element, "joint", link.attributes())
 
     def _fill(self, body: Body) -> None:
-        """What is felt and seen of a body."""
+        """Write the colliders and the visible geoms of a body."""
         element = self._elements[body]
         inverse = np.linalg.inv(body.pose)
-        felt: list[PieceOfMass] = []
+        colliders: list[PieceOfMass] = []
         for prim in body.parts:
             frame = inverse @ self._frames.of(prim)
             if prim.HasAPI(UsdPhysics.CollisionAPI) and prim.IsA(UsdGeom.Gprim):
-                felt += self._collider(element, prim, frame, moves=body.moves)
+                colliders += self._collider(element, prim, frame, moves=body.moves)
             if prim.IsA(UsdGeom.Camera):
-                told = camera_attributes(prim, rigid(frame), self._frames.metres)
-                ET.SubElement(element, "camera", {"name": name_of(prim), **told})
+                attributes = camera_attributes(prim, rigid(frame), self._frames.metres)
+                ET.SubElement(element, "camera", {"name": name_of(prim), **attributes})
         if body.moves:
-            self._masses.share(body.prim, element, felt, self._frames)
+            self._masses.share(body.prim, element, colliders, self._frames)
         elif element.tag == "body":
             element.insert(0, ET.Element("inertial", STILL))
         self._looks(body, element)
@@ -142,21 +142,21 @@ class _Writer:
         if not UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get():
             return []
         friction = friction_of(prim)
-        found = []
+        pieces = []
         for number, shape in enumerate(shapes_of(prim, frame, moves=moves)):
             name = name_of(prim) + (f".{number}" if number else "")
             self._geoms += 1
             if not isinstance(shape, Shape):
                 element.append(shape.element(name, friction or _FRICTION))
                 continue
-            told = {"name": name, "class": "felt", **shape.attributes}
+            attributes = {"name": name, "class": "felt", **shape.attributes}
             if friction:
-                told["friction"] = friction
+                attributes["friction"] = friction
             if shape.hull is not None:
-                told["mesh"] = self._assets.hull(shape.hull)
-            ET.SubElement(element, "geom", told)
-            found.append(PieceOfMass(prim, shape))
-        return found
+                attributes["mesh"] = self._assets.hull(shape.hull)
+            ET.SubElement(element, "geom", attributes)
+            pieces.append(PieceOfMass(prim, shape))
+        return pieces
 
     def _looks(self, body: Body, element: ET.Element) -> None:
         """One geom for each material of a body's meshes; other solids are geoms themselves."""
@@ -176,22 +176,22 @@ class _Writer:
             vertices = seen_of(prim, skew @ local, placement)
             if vertices is not None:
                 parts.setdefault(material, []).append(vertices)
-        for material, found in parts.items():
+        for material, solids in parts.items():
             name = f"{body.prim.GetName()}_{material}" if body.prim.GetParent() else material
-            mesh = self._assets.mesh(name, found, scale)
+            mesh = self._assets.mesh(name, solids, scale)
             if mesh is not None:
-                told = {"class": "seen", "mesh": mesh, "material": material}
-                ET.SubElement(element, "geom", told)
+                attributes = {"class": "seen", "mesh": mesh, "material": material}
+                ET.SubElement(element, "geom", attributes)
                 self._geoms += 1
 
     def _solid(self, body: Body, element: ET.Element, prim: Usd.Prim, material: str) -> None:
         shape = solid_of(prim, np.linalg.inv(body.pose) @ self._frames.of(prim))
         if shape is None:
             return
-        told = {"class": "seen", "material": material, **shape.attributes}
+        attributes = {"class": "seen", "material": material, **shape.attributes}
         if shape.hull is not None:
-            told["mesh"] = self._assets.hull(shape.hull)
-        ET.SubElement(element, "geom", told)
+            attributes["mesh"] = self._assets.hull(shape.hull)
+        ET.SubElement(element, "geom", attributes)
         self._geoms += 1
 
     def _ties(self, root: ET.Element, mechanism: Mechanism) -> None:
@@ -205,12 +205,12 @@ class _Writer:
         if mechanism.loops:
             equality = ET.SubElement(root, "equality")
             for loop in mechanism.loops:
-                told = {"name": dotted(loop.path)}
+                attributes = {"name": dotted(loop.path)}
                 names = {"body1": _known(loop.first, world), "body2": _known(loop.second, world)}
                 if loop.kind != "fixed":
-                    told["anchor"] = numbers(loop.anchor)
+                    attributes["anchor"] = numbers(loop.anchor)
                 kind = "weld" if loop.kind == "fixed" else "connect"
-                ET.SubElement(equality, kind, told | names)
+                ET.SubElement(equality, kind, attributes | names)
 
     def _labels(self, root: ET.Element, mechanism: Mechanism) -> None:
         """Texts with the names of bodies: their class."""
@@ -249,21 +249,21 @@ def _settings(root: ET.Element, gravity: FloatArray) -> None:
     ET.SubElement(
         seen, "geom", type="mesh", contype="0", conaffinity="0", group="2", mass="0"
     )  # fmt: skip
-    felt = ET.SubElement(default, "default", {"class": "felt"})
-    ET.SubElement(felt, "geom", group="3", friction=_FRICTION)
+    colliders = ET.SubElement(default, "default", {"class": "felt"})
+    ET.SubElement(colliders, "geom", group="3", friction=_FRICTION)
 
 
 def _gravity(stage: Usd.Stage, frames: Frames) -> FloatArray:
     """Of the first physics scene; that of the earth where there is none, or it leaves it open."""
-    scene = next((one for one in stage.Traverse() if one.IsA(UsdPhysics.Scene)), None)
+    scene = next((prim for prim in stage.Traverse() if prim.IsA(UsdPhysics.Scene)), None)
     down, strong = np.array([0.0, 0.0, -1.0]), _EARTH_M_PER_S2
     if scene is not None:
-        told = UsdPhysics.Scene(scene)
-        way = np.array(told.GetGravityDirectionAttr().Get(), dtype=np.float64)
+        physics = UsdPhysics.Scene(scene)
+        way = np.array(physics.GetGravityDirectionAttr().Get(), dtype=np.float64)
         if np.linalg.norm(way) > 0.0:
             turn = rigid(frames.world)[:3, :3]
             down = turn @ way / np.linalg.norm(way)
-        size = told.GetGravityMagnitudeAttr().Get()
+        size = physics.GetGravityMagnitudeAttr().Get()
         strong = size * frames.metres if 0.0 <= size < float("inf") else strong
     return down * strong
 
@@ -293,24 +293,24 @@ _WIDTH_PX = 1280
 
 def light_attributes(prim: Usd.Prim, pose: FloatArray) -> dict[str, str] | None:
     """Of a `<light>` in the world; None for what is dark, and for skies."""
-    told = light_of(prim)
-    if told is None:
+    light = light_of(prim)
+    if light is None:
         return None
-    kind = str(told["type"])
+    kind = str(light["type"])
     level = _SUN if kind == "directional" else _LAMP
-    found = {
+    attributes = {
         "type": "directional" if kind == "directional" else kind,
         "pos": numbers(pose[:3, 3]),
         "dir": numbers(-pose[:3, 2]),
-        "diffuse": numbers(np.array(told["color"]) * level),
+        "diffuse": numbers(np.array(light["color"]) * level),
         "specular": "0.1 0.1 0.1",
         "castshadow": "true" if kind == "directional" else "false",
     }
     if kind != "directional":
-        found |= {"attenuation": _FADES, "intensity": numbers([told["intensity"]])}
+        attributes |= {"attenuation": _FADES, "intensity": numbers([light["intensity"]])}
     if kind == "spot":
-        found |= {"cutoff": numbers([_WIDEST_DEG]), "exponent": "1"}
-    return found
+        attributes |= {"cutoff": numbers([_WIDEST_DEG]), "exponent": "1"}
+    return attributes
 
 
 def camera_attributes(prim: Usd.Prim, pose: FloatArray, metres: float) -> dict[str, str]:
@@ -334,16 +334,16 @@ def camera_attributes(prim: Usd.Prim, pose: FloatArray, metres: float) -> dict[s
     sensor, focal = np.array([across, up]) * wider * 1e-3, lens.focalLength * 1e-3
     # MuJoCo counts the vertical shift downwards.
     shift = np.array([lens.horizontalApertureOffset, -lens.verticalApertureOffset]) * wider * 1e-3
-    told = {
+    attributes = {
         "sensorsize": numbers(sensor), "focal": numbers([focal, focal]),
         "resolution": f"{_WIDTH_PX} {round(_WIDTH_PX * up / across)}",
     }  # fmt: skip
     if np.abs(shift).max() > 0.0:
-        told["principal"] = numbers(shift)
-    return told | placed(pose)
+        attributes["principal"] = numbers(shift)
+    return attributes | placed(pose)
 
 
 def strength(prim: Usd.Prim) -> tuple[bool, float]:
     """By which lights are put in order, the first of which a renderer may take alone."""
-    told = light_of(prim) or {"intensity": 0.0}
-    return not prim.IsA(UsdLux.DistantLight), -float(told["intensity"])
+    light = light_of(prim) or {"intensity": 0.0}
+    return not prim.IsA(UsdLux.DistantLight), -float(light["intensity"])

@@ -67,7 +67,7 @@ class Grid:
         return cls((origin[0], origin[1]), np.full((rows, columns), UNKNOWN, dtype=np.uint8))
 
     def fill(self, house: House, stage: Usd.Stage) -> None:
-        """Floors and doorways are free, walls and what stands in the way are occupied."""
+        """Floors and doorways are free, walls and obstacles are occupied."""
         ways = [
             tunnel.area_m
             for tunnel in house.walls.tunnels.values()
@@ -101,7 +101,7 @@ class Grid:
             self.image[window][shapely.intersects(part, cells)] = OCCUPIED
 
     def at_m(self, rows: Any, columns: Any) -> tuple[FloatArray, FloatArray]:
-        """x of the middles of columns, y of those of rows."""
+        """x of the middles of columns, y of the middles of rows."""
         x = self.origin_m[0] + (np.asarray(columns) + 0.5) * RESOLUTION_M
         y = self.origin_m[1] + (self.image.shape[0] - np.asarray(rows) - 0.5) * RESOLUTION_M
         return x, y

@@ -46,8 +46,8 @@ class Piece:
 
     def in_model(self, solid: Solid) -> trimesh.Trimesh:
         """One of its solids in the frame of the model, not scaled."""
-        own = (solid.mesh.vertices - self.at_m) @ self.turn / self.scale
-        return trimesh.Trimesh(own, solid.mesh.faces, process=False)
+        local = (solid.mesh.vertices - self.at_m) @ self.turn / self.scale
+        return trimesh.Trimesh(local, solid.mesh.faces, process=False)
 
     def shadow(self, solid: Solid) -> BaseGeometry:
         """What one of its solids covers seen from above, in the frame of the model."""

@@ -25,7 +25,7 @@ from chord_usd.library.prop import GRASPS
 from chord_usd.line.stage.check.check_scene import solids_of
 from chord_usd.line.stage.edit.leaves_and_lamps import LeafThere, free_shares, things_there
 from chord_usd.line.stage.export.exchange.built_house import House
-from chord_usd.line.stage.export.exchange.robot_map import Survey, stairs_told, surveyed
+from chord_usd.line.stage.export.exchange.robot_map import Survey, stair_entries, surveyed
 from chord_usd.line.stage.read.leaf_states import STATE
 
 FORMAT = "chord-usd robot layer 1"
@@ -59,7 +59,7 @@ def write_robot_layer(stage: Usd.Stage, path: Path) -> None:
             }
             for entry in storeys
         ],
-        "stairs": stairs_told([entry.house for entry in storeys]),
+        "stairs": stair_entries([entry.house for entry in storeys]),
         "rooms": rooms,
         "doors": [_door(record, openables) for entry in storeys for record in entry.rooms["doors"]],
         "openables": openables,
@@ -211,16 +211,16 @@ def graspable_at(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Iterator[dic
     folders = dict.fromkeys(Path(spec.layer.realPath).parent for spec in prim.GetPrimStack())
     file = next((folder / GRASPS for folder in folders if (folder / GRASPS).is_file()), None)
     matrix = np.array(transforms.GetLocalToWorldTransform(prim)).T
-    for told in json.loads(file.read_text(encoding="utf-8"))["grasps"] if file else ():
-        closes, approach = (matrix[:3, :3] @ told[name] for name in ("closes", "approach"))
+    for grasp in json.loads(file.read_text(encoding="utf-8"))["grasps"] if file else ():
+        closes, approach = (matrix[:3, :3] @ grasp[name] for name in ("closes", "approach"))
         stretch = float(np.linalg.norm(closes))
-        width = told["width"] * stretch
+        width = grasp["width"] * stretch
         if width < GRIPPER_M:
             yield {
-                "position": _rounded(matrix[:3, :3] @ told["position"] + matrix[:3, 3]),
+                "position": _rounded(matrix[:3, :3] @ grasp["position"] + matrix[:3, 3]),
                 "closes": _rounded(closes / stretch),
                 "approach": _rounded(approach / np.linalg.norm(approach)),
-                "width": round(width, 4), "from_support": told["from_support"],
+                "width": round(width, 4), "from_support": grasp["from_support"],
             }  # fmt: skip
 
 

@@ -32,12 +32,12 @@ def write_map(stage: Usd.Stage, folder: Path) -> None:
     """Write map.yaml, map.pgm, rooms.json and spawns.json; of a house of storeys, these in a folder
     for each, and house.json, which says how stairs join them. Raises StageError."""
     storeys = surveyed(stage)
-    for one in storeys:
-        own = folder / one.house.storey.lower() if one.house.storey else folder
-        own.mkdir(exist_ok=True)
-        _write_storey(own, one.house, one.grid, one.reach)
+    for storey in storeys:
+        place = folder / storey.house.storey.lower() if storey.house.storey else folder
+        place.mkdir(exist_ok=True)
+        _write_storey(place, storey.house, storey.grid, storey.reach)
     if len(storeys) > 1:
-        houses, reaches = [one.house for one in storeys], [one.reach for one in storeys]
+        houses, reaches = [storey.house for storey in storeys], [storey.reach for storey in storeys]
         _write(folder / "house.json", _house(houses, reaches))
 
 
@@ -153,11 +153,11 @@ def _house(houses: Sequence[House], reaches: Sequence[Reach]) -> dict[str, Any]:
             }
             for house, reach in zip(houses, reaches, strict=True)
         ],
-        "stairs": stairs_told(houses),
+        "stairs": stair_entries(houses),
     }  # fmt: skip
 
 
-def stairs_told(houses: Sequence[House]) -> list[dict[str, Any]]:
+def stair_entries(houses: Sequence[House]) -> list[dict[str, Any]]:
     """Stairs of a house, the lowest storey first, as edges between rooms."""
     return [
         {

@@ -44,15 +44,15 @@ def wall_pieces(walls: Walls) -> tuple[WallPiece, ...]:
             shared = shapely.area(shapely.intersection(areas, cut.area_m))
             owned[int(np.argmax(shared))][kind].append(cut)
     return tuple(
-        WallPiece(area, tuple(own), tuple(open_))
-        for area, (own, open_) in zip(areas, owned, strict=True)
+        WallPiece(area, tuple(closed), tuple(open_))
+        for area, (closed, open_) in zip(areas, owned, strict=True)
     )
 
 
 def _along_lines(walls: Walls) -> list[Polygon]:
     """What lies behind each line of the walls, the longest first."""
     left = walls.solid_m
-    found: list[Polygon] = []
+    strips: list[Polygon] = []
     for line in sorted(walls.lines, key=lambda line: -round(line.length_m, 3)):
         strip = _behind(line)
         if not left.intersects(strip):
@@ -60,17 +60,17 @@ def _along_lines(walls: Walls) -> list[Polygon]:
         taken = shapely.intersection(left, strip, grid_size=_GRID_M)
         pieces = [piece for piece in polygons_of(taken) if piece.area >= _LEAST_M2]
         if pieces:
-            found += pieces
+            strips += pieces
             rest = shapely.difference(left, unary_union(pieces), grid_size=_GRID_M)
             left = MultiPolygon(polygons_of(rest))  # where pieces touch, lines and points remain
     for piece in polygons_of(left):
-        beside = [shapely.intersection(other, piece).length for other in found]
+        beside = [shapely.intersection(other, piece).length for other in strips]
         if piece.area >= _LEAST_M2 or not any(beside):
-            found.append(piece)
+            strips.append(piece)
         else:
             nearest = int(np.argmax(beside))
-            found[nearest] = _one(found[nearest].union(piece), found[nearest])
-    return found
+            strips[nearest] = _polygon_or(strips[nearest].union(piece), strips[nearest])
+    return strips
 
 
 def _behind(line: WallLine) -> Polygon:
@@ -103,5 +103,5 @@ def _is_cut(area: Polygon, cut: Tunnel) -> bool:
     return bool(area.intersection(cut.area_m).area > _GRID_M)
 
 
-def _one(area: BaseGeometry, otherwise: Polygon) -> Polygon:
+def _polygon_or(area: BaseGeometry, otherwise: Polygon) -> Polygon:
     return area if isinstance(area, Polygon) else otherwise
