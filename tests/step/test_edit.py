@@ -84,7 +84,7 @@ def test_a_piece_is_turned_where_it_stands_with_all_that_it_wears(house: Path) -
 def test_what_would_break_the_certificate_changes_nothing(
     house: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Floor, "in_the_way", lambda *_: "")
+    monkeypatch.setattr(Floor, "obstacle_at", lambda *_: "")
     text, beside = house.read_bytes(), files(house)
     with pytest.raises(StageError, match=r"worse: .*Sofa_0 runs into .*CoffeeTable_0"):
         edit(house, "move the coffee table 0.5 m towards the sofa", house)
@@ -153,7 +153,7 @@ def test_a_dry_run_says_what_is_understood_and_writes_nothing(
     [
         ("replace the toilet by a washing machine", "Bathroom_0 lacks toilet"),
         ("turn the sofa to the window", "Sofa_0 is turned away"),
-        ("move the coffee table 5 m west", "in the way"),
+        ("move the coffee table 5 m west", "blocks it"),
     ],
 )
 def test_what_makes_a_house_worse_is_refused_with_its_place_unless_forced(

@@ -120,7 +120,7 @@ def test_what_cannot_be_is_refused_and_named(
         ("add 99 chairs to the living room", "99 ×"),
         ("move the sofa", "whereto"),
         ("move the sofa 1 m", "whereto"),
-        ("move the sofa 9 m north", "in the way"),
+        ("move the sofa 9 m north", "blocks it"),
         ("remove all the chairs except two", "'except'"),
         ("add a classic armchair to the living room", "single piece"),
         ("remove a chair next to the window", "there already"),

@@ -110,12 +110,14 @@ class Arrangement:
         return self.movable is None or item.id in self.movable
 
     def free_places(self, item: Item, among: Iterable[Item], *, anew: bool = False) -> FreePlaces:
-        """Where a piece may stand among others, in its room and before no opening. anew: also where
-        it stands on something now, that is taken."""
+        """Free places of a piece among others, in its room and before no opening.
+
+        anew: whether its present place counts as taken, too.
+        """
         return free_places(item, self.floors.get(item.room_id), among, self.shell.clear, anew=anew)
 
 
-# What doors and windows tell of the items before them: edges to half a pixel, and heights --------
+# Corrections of items before doors and windows: edges to half a pixel, and heights ------ --------
 
 # An edge that reaches less than half a pixel into the floor that a door keeps free was drawn beside
 # it, and so was a piece of which the picture shows nothing there: its box only spans what is
@@ -179,8 +181,8 @@ def _backed_off(
     None where that is farther than reach_m and than most_cut, a share of the side that it cuts.
     """
     rect = footprint.rect
-    own = rect.local(shapely.get_coordinates(shared))
-    low, high = own.min(axis=0), own.max(axis=0)
+    local = rect.local(shapely.get_coordinates(shared))
+    low, high = local.min(axis=0), local.max(axis=0)
     places = (float(high[0]), float(low[0]), float(high[1]), float(low[1]))
     moves = [abs(place - getattr(rect, edge)) for edge, place in zip(_EDGES, places, strict=True)]
     least = int(np.argmin(moves))

@@ -20,7 +20,7 @@ from chord_usd.line.graph.match import Database
 def carry_out(work: Work, intents: Sequence[Intent]) -> Work:
     """Do it, one after the other. Raises ChordError for what cannot be done."""
     for intent in intents:
-        touched = [one for one in intent.items if one in work.locked]
+        touched = [item_id for item_id in intent.items if item_id in work.locked]
         if touched and intent.action not in ("lock", "unlock"):
             raise refused(intent, f"{touched[0].split('/')[-1]} is locked", try_="unlock it first")
         _ACTIONS[intent.action](work, intent)
@@ -39,11 +39,11 @@ def _place_new(work: Work, intent: Intent, new: NewPiece, gone: frozenset[str]) 
     old = work.item(intent.items[0]) if intent.action == "replace" else None
     for asset in _assets(work.database(), new):
         item = _new_item(work, new.category, asset, intent.room)
-        found = best_place(work, floor, item, score_of(work, floor, intent, old))
-        if found:
-            work.put(found)
-            work.new.add(found.id)
-            return found
+        placed = best_place(work, floor, item, score_of(work, floor, intent, old))
+        if placed:
+            work.put(placed)
+            work.new.add(placed.id)
+            return placed
     raise refused(
         intent, f"no place was found in {called(work, intent.room)}", "what the room has place for"
     )
@@ -69,7 +69,7 @@ def _assets(database: Database, new: NewPiece) -> Iterator[Asset]:
 
 
 def _new_item(work: Work, name: str, asset: Asset, room_id: str) -> Item:
-    ids = {one.id for one in (*work.graph.items, *work.graph.dressing)} | work.moved.keys()
+    ids = {item.id for item in (*work.graph.items, *work.graph.dressing)} | work.moved.keys()
     item_id = next(i for n in count() if (i := f"{room_id}/{name}_{n}") not in ids)
     row = category(name)
     x, y = work.room(room_id).polygon_m.mean(axis=0)
@@ -80,14 +80,14 @@ def _new_item(work: Work, name: str, asset: Asset, room_id: str) -> Item:
 def _replace(work: Work, intent: Intent) -> None:
     assert intent.new is not None
     (old_id,) = intent.items
-    gone = frozenset([old_id, *(one.id for one in work.resting_on(old_id))])
+    gone = frozenset([old_id, *(item.id for item in work.resting_on(old_id))])
     _place_new(work, intent, intent.new, gone)
     work.remove(list(gone))
 
 
 def _remove(work: Work, intent: Intent) -> None:
     for item_id in intent.items:
-        work.remove([item_id, *(one.id for one in work.resting_on(item_id))])
+        work.remove([item_id, *(item.id for item in work.resting_on(item_id))])
 
 
 def _style(work: Work, intent: Intent) -> None:

@@ -65,17 +65,17 @@ def _group(work: Work, item: Item) -> list[Item]:
     """A piece, and what goes where it goes: chairs that stand at a table."""
     if item.category not in TABLES:
         return [item]
-    chairs = [one for one in work.graph.items
-              if one.category == "chair" and one.id not in work.locked]  # fmt: skip
-    return [item, *(one for one in chairs if table_of(one, work.graph.items) == item)]
+    chairs = [piece for piece in work.graph.items
+              if piece.category == "chair" and piece.id not in work.locked]  # fmt: skip
+    return [item, *(chair for chair in chairs if table_of(chair, work.graph.items) == item)]
 
 
 def _with_belongings(work: Work, item: Item) -> list[Item]:
     """A group, and what belongs to a bed or a sofa: on other walls it would be of no use."""
     shape, kinds = footprint_polygon(item.box), _BELONGS.get(item.category, ())
-    near = [one for one in work.graph.items_of(item.room_id)
-            if one.category in kinds and one.id not in work.locked
-            and footprint_polygon(one.box).distance(shape) < _BELONGS_M]  # fmt: skip
+    near = [piece for piece in work.graph.items_of(item.room_id)
+            if piece.category in kinds and piece.id not in work.locked
+            and footprint_polygon(piece.box).distance(shape) < _BELONGS_M]  # fmt: skip
     return [*_group(work, item), *near]
 
 
@@ -85,16 +85,16 @@ def _shifted(item: Item, by_m: FloatArray) -> Item:
 
 
 def _blocked(work: Work, group: Sequence[Item], room_id: str, by_m: FloatArray) -> str:
-    """What is in the way of pieces that are moved together."""
+    """Name of the obstacle of pieces that are moved together; "" without one."""
     gone = with_resting(work, group)
     floor = Floor(work.graph, work.room(room_id), gone)
-    told = (floor.in_the_way(_shifted(one, by_m)) for one in group)
-    return next((one for one in told if one), "")
+    blockers = (floor.obstacle_at(_shifted(piece, by_m)) for piece in group)
+    return next((blocker for blocker in blockers if blocker), "")
 
 
 def _shift(work: Work, group: Sequence[Item], by_m: FloatArray) -> None:
-    for one in group:
-        work.move(one, _shifted(one, by_m).box)
+    for piece in group:
+        work.move(piece, _shifted(piece, by_m).box)
 
 
 def move(work: Work, intent: Intent) -> None:
@@ -120,7 +120,7 @@ def _direction(work: Work, intent: Intent, item: Item) -> FloatArray:
     if not shapes:
         raise refused(intent, f"there is no {intent.anchors[0]} in {called(work, item.room_id)}")
     nearest = shapely.shortest_line(at, min(shapes, key=at.distance))
-    start, end = (np.array(one) for one in nearest.coords)
+    start, end = (np.array(point) for point in nearest.coords)
     length_m = float(np.hypot(*(end - start)))
     if length_m < 1e-6:
         raise refused(intent, "it stands there already")
@@ -133,13 +133,12 @@ def _move_by(work: Work, intent: Intent, item: Item) -> None:
     by_m = _direction(work, intent, item) * intent.distance_m
     blocked = _blocked(work, group, item.room_id, by_m)
     if blocked:
-        raise refused(intent, f"{blocked} is in the way", "a free place")
+        raise refused(intent, f"{blocked} blocks it", "a free place")
     _shift(work, group, by_m)
 
 
 def _move_some(work: Work, intent: Intent, item: Item) -> None:
-    """Nearer or farther, straight or, where something is in the way, to the nearest place that
-    is."""
+    """Move nearer or farther: straight or, past an obstacle, to the nearest place of that kind."""
     group = _group(work, item)
     way = _direction(work, intent, item)
     blocked = ""
@@ -148,27 +147,27 @@ def _move_some(work: Work, intent: Intent, item: Item) -> None:
             by_m = rotation_2d(aside_deg) @ way * gain_m / math.cos(math.radians(aside_deg))
             if _leaves_wall(item, by_m):
                 continue
-            own = _blocked(work, group, item.room_id, by_m)
-            if not own:
+            obstacle = _blocked(work, group, item.room_id, by_m)
+            if not obstacle:
                 _shift(work, group, by_m)
                 return
-            blocked = blocked or own
+            blocked = blocked or obstacle
     floor = Floor(work.graph, work.room(item.room_id), with_resting(work, [item]))
     shape = footprint_polygon(item.box)
     sign = 1.0 if intent.relation == "away from" else -1.0
-    before_m = min(float(shape.distance(one)) for one in floor.shapes(intent.anchors))
+    before_m = min(float(shape.distance(anchor)) for anchor in floor.shapes(intent.anchors))
 
     def score(placed: Item) -> tuple[float, ...] | None:
-        own = footprint_polygon(placed.box)
-        now_m = min(float(own.distance(one)) for one in floor.shapes(intent.anchors))
+        outline = footprint_polygon(placed.box)
+        now_m = min(float(outline.distance(anchor)) for anchor in floor.shapes(intent.anchors))
         if sign * (now_m - before_m) < _STEPS_M[-1]:
             return None
         return (math.dist(placed.box.center_m[:2], item.box.center_m[:2]),)
 
-    found = _best_of_old(work, floor, item, score) if len(group) == 1 else None
-    if found is None:
-        raise refused(intent, f"{blocked} is in the way" if blocked else "no place was found there")
-    work.move(item, found.box)
+    place = _best_of_old(work, floor, item, score) if len(group) == 1 else None
+    if place is None:
+        raise refused(intent, f"{blocked} blocks it" if blocked else "no place was found there")
+    work.move(item, place.box)
 
 
 def _leaves_wall(item: Item, by_m: FloatArray) -> bool:
@@ -186,10 +185,10 @@ def _best_of_old(work: Work, floor: Floor, item: Item, score: Score) -> Item | N
 
 def _move_beside(work: Work, intent: Intent, item: Item) -> None:
     floor = Floor(work.graph, work.room(item.room_id), with_resting(work, [item]))
-    found = _best_of_old(work, floor, item, _score_near(floor, intent, item))
-    if found is None:
+    place = _best_of_old(work, floor, item, _score_near(floor, intent, item))
+    if place is None:
         raise refused(intent, "no place was found there", "what the room has place for")
-    work.move(item, found.box)
+    work.move(item, place.box)
 
 
 def _score_near(floor: Floor, intent: Intent, item: Item) -> Score:
@@ -206,10 +205,10 @@ def _score_near(floor: Floor, intent: Intent, item: Item) -> Score:
 
 def _move_to_room(work: Work, intent: Intent, item: Item) -> None:
     floor = Floor(work.graph, work.room(intent.to_room), with_resting(work, [item]))
-    found = _best_of_old(work, floor, item, score_of(work, floor, intent))
-    if found is None:
+    place = _best_of_old(work, floor, item, score_of(work, floor, intent))
+    if place is None:
         raise refused(intent, f"no place was found in {called(work, intent.to_room)}")
-    work.move(item, found.box, intent.to_room)
+    work.move(item, place.box, intent.to_room)
 
 
 def turn(work: Work, intent: Intent) -> None:
@@ -218,7 +217,7 @@ def turn(work: Work, intent: Intent) -> None:
 
 
 def face(work: Work, intent: Intent) -> None:
-    """Turn a piece to what it shall look at: square to an opening that is straight ahead then."""
+    """Turn a piece to face its anchor: square to an opening that is straight ahead then."""
     item = work.item(intent.items[0])
     if intent.way:
         _turn_to(work, intent, item, COMPASS_DEG[intent.way] + 90.0, _FARTHEST_M)
@@ -227,8 +226,8 @@ def face(work: Work, intent: Intent) -> None:
     shapes = floor.shapes(intent.anchors[:1])
     at = shapely.Point(item.box.center_m[:2])
     holes = [
-        one.box for one in floor.openings
-        if intent.anchors[0] in (WINDOW, DOOR) and (one.kind == WINDOW)
+        opening.box for opening in floor.openings
+        if intent.anchors[0] in (WINDOW, DOOR) and (opening.kind == WINDOW)
         == (intent.anchors[0] == WINDOW)
     ]  # fmt: skip
     if not shapes:
@@ -264,20 +263,24 @@ def _turn_to(
     work: Work, intent: Intent, item: Item, yaw_deg: float, most_m: float,
     target: shapely.Geometry | None = None,
 ) -> None:  # fmt: skip
-    """Turn a piece where it stands or, where something is in the way, in the nearest free place
-    that shuts nobody in. target: what it has to see from there."""
+    """Turn a piece where it stands or, past an obstacle, in the nearest free place that shuts
+    nobody in. target: to be in sight from there."""
     turned = _turned(item, yaw_deg)
     group = _group(work, item)
     floor = Floor(work.graph, work.room(item.room_id), with_resting(work, group))
-    blocked = floor.in_the_way(turned)
+    blocked = floor.obstacle_at(turned)
     if len(group) > 1:
-        raise refused(intent, "its chairs would be in the way", "a table without chairs")
+        raise refused(intent, "its chairs would block it", "a table without chairs")
     boxes = around(turned.box, _GRID_M, most_m) if blocked else [turned.box]
-    free = (one for one in floor.free(turned, boxes) if target is None or _sees(one, target))
-    found = next((one for one in islice(free, TRIED) if not shuts_in(work, one)), None)
-    if found is None:
-        raise refused(intent, f"{blocked or 'who shall pass'} would be in the way")
-    work.move(item, found.box)
+    free = (
+        placed for placed in floor.free(turned, boxes) if target is None or _sees(placed, target)
+    )
+    place = next((placed for placed in islice(free, TRIED) if not shuts_in(work, placed)), None)
+    if place is None:
+        raise refused(
+            intent, f"{blocked} would block it" if blocked else "it would block the passage"
+        )
+    work.move(item, place.box)
 
 
 def swap(work: Work, intent: Intent) -> None:
@@ -290,9 +293,9 @@ def swap(work: Work, intent: Intent) -> None:
         places = [list(islice(_places_of(floor, groups[at], groups[1 - at][0]), TRIED))
                   for at in (0, 1)]  # fmt: skip
         pairs = ((first, second) for first in places[0] for second in places[1])
-        found = next((pair for pair in pairs if _are_apart(*pair)), None)
-        if found:
-            for group, placed in zip(groups, found, strict=True):
+        chosen = next((pair for pair in pairs if _are_apart(*pair)), None)
+        if chosen:
+            for group, placed in zip(groups, chosen, strict=True):
                 for old, new in zip(group, placed, strict=True):
                     work.move(old, new.box)
             return
@@ -302,23 +305,25 @@ def swap(work: Work, intent: Intent) -> None:
 def _places_of(floor: Floor, group: Sequence[Item], other: Item) -> Iterator[list[Item]]:
     """Free places of a group whose first piece stands where another one does."""
     leader = group[0].box
-    corners = np.concatenate([to_own(leader, footprint(one.box)) for one in group])
+    corners = np.concatenate([to_own(leader, footprint(piece.box)) for piece in group])
     for box in _in_place_of(leader, float(corners[:, 1].max()), other):
         placed = []
-        for one in group:
-            x, y = to_world(box, to_own(leader, one.box.center_m[:2]))
-            center_m = (float(x), float(y), one.box.center_m[2])
-            yaw_deg = wrap_deg(one.box.yaw_deg + box.yaw_deg - leader.yaw_deg)
-            placed.append(replace(one, box=replace(one.box, center_m=center_m, yaw_deg=yaw_deg)))
-        if not any(floor.in_the_way(one) for one in placed):
+        for piece in group:
+            x, y = to_world(box, to_own(leader, piece.box.center_m[:2]))
+            center_m = (float(x), float(y), piece.box.center_m[2])
+            yaw_deg = wrap_deg(piece.box.yaw_deg + box.yaw_deg - leader.yaw_deg)
+            placed.append(
+                replace(piece, box=replace(piece.box, center_m=center_m, yaw_deg=yaw_deg))
+            )
+        if not any(floor.obstacle_at(piece) for piece in placed):
             yield placed
 
 
 def _are_apart(group: Sequence[Item], other: Sequence[Item]) -> bool:
-    shapes = [footprint_polygon(one.box) for one in other]
+    shapes = [footprint_polygon(piece.box) for piece in other]
     return not any(
-        footprint_polygon(one.box).intersection(shape).area > MIN_OVERLAP_M2
-        for one in group for shape in shapes
+        footprint_polygon(piece.box).intersection(shape).area > MIN_OVERLAP_M2
+        for piece in group for shape in shapes
     )  # fmt: skip
 
 

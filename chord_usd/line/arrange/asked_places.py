@@ -52,13 +52,13 @@ class Floor:
     graph: SceneGraph
     room: Room
     gone: frozenset[str] = frozenset()
-    """Ids of things that are not in the way."""
+    """Ids of things that do not count as obstacles."""
 
     @cached_property
     def things(self) -> list[Item]:
-        """What may be in the way: of all rooms, since open plans have no walls."""
-        own = (*self.graph.items, *self.graph.dressing)
-        return [one for one in own if one.id not in self.gone and not is_underfoot(one)]
+        """Possible obstacles: of all rooms, since open plans have no walls."""
+        items = (*self.graph.items, *self.graph.dressing)
+        return [item for item in items if item.id not in self.gone and not is_underfoot(item)]
 
     @cached_property
     def polygon(self) -> shapely.Polygon:
@@ -91,8 +91,8 @@ class Floor:
         take_walls(taken, self._faces)
         return taken
 
-    def in_the_way(self, item: Item) -> str:
-        """Why a thing cannot be there: what is in its way, in words; "" where nothing is."""
+    def obstacle_at(self, item: Item) -> str:
+        """Name of the obstacle of a thing at its place; "" without one."""
         if not self._covering.covers(footprint_polygon(item.box)):
             return "the wall"
         if is_underfoot(item):
@@ -106,8 +106,8 @@ class Floor:
     @cached_property
     def _swings(self) -> shapely.Geometry:
         """Floor over which doors, drawers and flaps of furniture swing."""
-        floors = [footprint_polygon(floor_before(one.box, FRONT, 0.0, SWINGS_M[one.category]))
-                  for one in self.things if one.category in SWINGS_M]  # fmt: skip
+        floors = [footprint_polygon(floor_before(item.box, FRONT, 0.0, SWINGS_M[item.category]))
+                  for item in self.things if item.category in SWINGS_M]  # fmt: skip
         return shapely.union_all(floors)
 
     def stops_leaves(self, item: Item) -> bool:
@@ -128,26 +128,26 @@ class Floor:
 
     def shapes(self, anchors: Sequence[str]) -> list[shapely.Geometry]:
         """Of what a relation is to, seen from above; of windows, doors and walls all."""
-        found: list[shapely.Geometry] = []
-        by_id = {one.id: one for one in (*self.graph.items, *self.graph.dressing)}
+        outlines: list[shapely.Geometry] = []
+        by_id = {item.id: item for item in (*self.graph.items, *self.graph.dressing)}
         for anchor in anchors:
             if anchor == WALL:
-                found.append(self.polygon.exterior)
+                outlines.append(self.polygon.exterior)
             elif anchor in (WINDOW, DOOR):
-                holes = [one.box for one in self.openings if (one.kind == WINDOW)
+                holes = [opening.box for opening in self.openings if (opening.kind == WINDOW)
                          == (anchor == WINDOW)]  # fmt: skip
                 if holes:
-                    found.append(shapely.union_all([footprint_polygon(box) for box in holes]))
+                    outlines.append(shapely.union_all([footprint_polygon(box) for box in holes]))
             else:
-                found.append(footprint_polygon(by_id[anchor].box))
-        return found
+                outlines.append(footprint_polygon(by_id[anchor].box))
+        return outlines
 
     def misses_m(self, item: Item, relation: Relation, anchors: Sequence[str]) -> float:
         """How far a thing is from where a relation wants it."""
         shape, shapes = footprint_polygon(item.box), self.shapes(anchors)
         if not relation or not shapes:
             return 0.0
-        away = [float(shape.distance(one)) for one in shapes]
+        away = [float(shape.distance(anchor)) for anchor in shapes]
         if relation == "between":
             return float(max(away))
         if relation == "under":
@@ -160,15 +160,15 @@ class Floor:
         return min(away)
 
     def _top_m(self, anchor: str) -> float:
-        return next((one.box.top_m for one in self.things if one.id == anchor), 0.0)
+        return next((item.box.top_m for item in self.things if item.id == anchor), 0.0)
 
     def _before_m(self, item: Item, anchor: str, away_m: float) -> float:
         """From the middle of what stands before the front of a piece, or from an opening."""
-        own = next((one for one in self.things if one.id == anchor), None)
-        if own is None:
+        target = next((item for item in self.things if item.id == anchor), None)
+        if target is None:
             return away_m
-        ahead = np.array(item.box.center_m[:2]) - own.box.center_m[:2]
-        front = front_direction(own.box.yaw_deg)
+        ahead = np.array(item.box.center_m[:2]) - target.box.center_m[:2]
+        front = front_direction(target.box.yaw_deg)
         beside = float(np.hypot(*(ahead - (ahead @ front) * front)))
         return away_m + beside if ahead @ front > 0 else 9.0
 
@@ -196,8 +196,8 @@ class Floor:
             yield from over_floor(box, self.room, GRID_M)
 
     def free(self, item: Item, boxes: Collection[Box] | Iterator[Box]) -> Iterator[Item]:
-        """The item at those of the places where nothing is in its way."""
+        """The item at each of the places without an obstacle."""
         for box in boxes:
             placed = replace(item, box=box)
-            if not self.in_the_way(placed):
+            if not self.obstacle_at(placed):
                 yield placed

@@ -44,7 +44,7 @@ class Work:
 
     def item(self, item_id: str) -> Item:
         things = (*self.graph.items, *self.graph.dressing)
-        return next(one for one in things if one.id == item_id)
+        return next(piece for piece in things if piece.id == item_id)
 
     def put(self, item: Item) -> None:
         """Add a thing, or set it in the place of the one with its id."""
@@ -56,7 +56,7 @@ class Work:
 
     def remove(self, ids: Sequence[str]) -> None:
         gone = set(ids)
-        kept = tuple(one for one in self.graph.dressing if one.id not in gone)
+        kept = tuple(piece for piece in self.graph.dressing if piece.id not in gone)
         self.graph = replace(self.graph.without(gone), dressing=kept)
 
     def move(self, item: Item, box: Box, room_id: str = "") -> None:
@@ -75,8 +75,8 @@ class Work:
 
     def resting_on(self, item_id: str) -> list[Item]:
         """Dressing that lies on a thing, and what lies on that."""
-        own = [one for one in self.graph.dressing if one.facts.rests_on == item_id]
-        return [*own, *(below for one in own for below in self.resting_on(one.id))]
+        carried = [piece for piece in self.graph.dressing if piece.facts.rests_on == item_id]
+        return [*carried, *(below for piece in carried for below in self.resting_on(piece.id))]
 
 
 def refused(intent: Intent, why: str, expected: str = "", try_: str = "") -> ChordError:
@@ -111,8 +111,8 @@ def score_of(work: Work, floor: Floor, intent: Intent, old: Item | None = None) 
         if intent.relation and missed_m > NEAR_M.get(intent.relation, 1.0):
             return None
         if item.category == "chair" and not any(
-            one.category in TABLES and footprint_polygon(one.box).distance(shape) < 0.1
-            for one in work.graph.items
+            piece.category in TABLES and footprint_polygon(piece.box).distance(shape) < 0.1
+            for piece in work.graph.items
         ):
             away = 1.0
         else:
@@ -131,7 +131,7 @@ def score_of(work: Work, floor: Floor, intent: Intent, old: Item | None = None) 
 def _crowd_m(floor: Floor, item: Item) -> float:
     """How near a thing on a wall is to other things: what hangs alone hangs best."""
     shape = footprint_polygon(item.box)
-    near = [shape.distance(footprint_polygon(one.box)) for one in floor.things]
+    near = [shape.distance(footprint_polygon(piece.box)) for piece in floor.things]
     return -round(float(min(near, default=1.0)), 1)
 
 
@@ -141,12 +141,12 @@ def best_place(work: Work, floor: Floor, item: Item, score: Score) -> Item | Non
     scored: list[tuple[tuple[float, ...], int, Item]] = []
     for at, box in enumerate(floor.places(item)):
         placed = replace(item, box=box)
-        own = score(placed)
-        if own is not None:
-            scored.append((own, at, placed))
-    scored.sort(key=lambda one: one[:2])
-    scored.sort(key=lambda one: floor.stops_leaves(one[2]))
-    free = list(islice((one for _, _, one in scored if not floor.in_the_way(one)), TRIED))
+        value = score(placed)
+        if value is not None:
+            scored.append((value, at, placed))
+    scored.sort(key=lambda entry: entry[:2])
+    scored.sort(key=lambda entry: floor.stops_leaves(entry[2]))
+    free = list(islice((piece for _, _, piece in scored if not floor.obstacle_at(piece)), TRIED))
     if not free or category(item.category).mount is not Mount.FLOOR:
         return free[0] if free else None
     known = _flaws(work.graph)
@@ -155,7 +155,7 @@ def best_place(work: Work, floor: Floor, item: Item, score: Score) -> Item | Non
 
 
 def _with(graph: SceneGraph, placed: Item) -> SceneGraph:
-    rest = (one for one in graph.items if one.id != placed.id)
+    rest = (piece for piece in graph.items if piece.id != placed.id)
     return replace(graph, items=(*rest, placed))
 
 
@@ -163,7 +163,7 @@ def _flaws(graph: SceneGraph) -> set[tuple[str, str]]:
     """What rooms lack, and what stands wrongly in them."""
     rooms = homely_rooms(graph)
     lacks = {(room.room, name) for room in rooms for name in room.missing}
-    return lacks | {(one.item, one.fault) for room in rooms for one in room.misplaced}
+    return lacks | {(misfit.item, misfit.fault) for room in rooms for misfit in room.misplaced}
 
 
 def shuts_in(work: Work, placed: Item) -> bool:

@@ -1,4 +1,4 @@
-"""Pieces moved a little where something is in the way of their doors and drawers.
+"""Pieces moved a little off obstacles of their doors and drawers.
 
 A drawer beside a door's casing, a cabinet whose leaf meets the next piece: both need centimetres.
 Where no place helps, as in a closet no longer than its cabinet, another model opens: with sliding
@@ -52,7 +52,7 @@ def free_leaves(work: Arrangement) -> SceneGraph:
 
 
 def _near(item: Item, items: dict[str, Item], trim: Sequence[Box]) -> Boxes:
-    """What is felt about a piece."""
+    """Colliders around a piece."""
     reach = footprint_polygon(item.box).buffer(_REACH_M + max(_STEPS_M))
     around = [other for other in items.values() if other.id != item.id
               and category(other.category).mount is not Mount.UNDERFOOT
@@ -85,8 +85,8 @@ def _moved(
             best, least = tried, missed
         if not least:
             return best
-    others = (one for one in _other_models(work, item) if not is_in_trim(one.box, trim))
-    opening = (one for one in others if not _shut(leaves_of(one), one.box, near, floor))
+    others = (model for model in _other_models(work, item) if not is_in_trim(model.box, trim))
+    opening = (model for model in others if not _shut(leaves_of(model), model.box, near, floor))
     return next(opening, best)
 
 

@@ -3,7 +3,7 @@
 What paints a room seldom puts one piece into another; what lists boxes one by one often does, by a
 little. So first all that stand in each other or in a wall push each other apart, the smaller one
 farther. What that leaves goes, from the largest piece on, to the nearest place that is free of
-those before it. What finds none within reach stays, and stands in the way (left_out.py).
+those before it. A piece without a place in reach stays, and is left out later (leave_out).
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ def move_aside(work: Arrangement) -> SceneGraph:
     """The house with every piece that may move where it is in nothing, if there is such a place."""
     apart: dict[str, Item] = {}
     for room in work.graph.rooms:
-        own = list(work.graph.items_of(room.id))
+        pieces = list(work.graph.items_of(room.id))
         shapely.prepare(work.floors[room.id])
-        apart |= zip((item.id for item in own), _pushed_apart(work, own), strict=True)
+        apart |= zip((item.id for item in pieces), _pushed_apart(work, pieces), strict=True)
     items = [apart.get(item.id, item) for item in work.graph.items]
     placed = {item.id: item for item in items if not work.may_move(item)}
     loose = [item for item in items if work.may_move(item)]
@@ -135,35 +135,44 @@ _NEVER_BUILT = ("overlap", "before an opening", "undersized")
 
 def clashes(graph: SceneGraph) -> list[Violation]:
     """Pieces in each other, before openings, and those too small to be pieces."""
-    return [one for one in violations(graph) if one.kind in _NEVER_BUILT]
+    return [violation for violation in violations(graph) if violation.kind in _NEVER_BUILT]
 
 
 def leave_out(work: Arrangement) -> SceneGraph:
     """The house without undersized pieces, and without those that stand in others or before
     openings and can best be done without.
 
-    Of those in each other's way the one goes without which least is wrong, of equal ones the
-    smaller. What a room cannot do without stays before a window, not before a door or in another
-    piece.
+    Drops, of each conflicting pair, the item whose removal lowers the fault score most; of equal
+    items the smaller. What a room cannot do without stays before a window, not before a door or in
+    another piece.
     """
     faults, graph = work.faults, work.graph
-    assert faults is not None, "nothing tells how much is wrong"
+    assert faults is not None, "no fault score is given"
     floor_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in graph.items}
-    while found := clashes(graph):
+    while conflicts := clashes(graph):
         before = faults(graph)
-        clashing = {item_id for one in found for item_id in one.items}
+        clashing = {item_id for conflict in conflicts for item_id in conflict.items}
         may_go = (item.id for item in graph.items if item.id in clashing and work.may_move(item))
-        tries = sorted((faults(graph.without([one])), floor_m2[one], one) for one in may_go)
-        shut = _shut_in(graph, found)
-        worst = next((one for left, _, one in tries if left < before or one in shut), None)
+        tries = sorted(
+            (faults(graph.without([item_id])), floor_m2[item_id], item_id) for item_id in may_go
+        )
+        shut = _shut_in(graph, conflicts)
+        worst = next(
+            (item_id for left, _, item_id in tries if left < before or item_id in shut), None
+        )
         if worst is None:
             break
         graph = graph.without([worst])
     return graph
 
 
-def _shut_in(graph: SceneGraph, found: Iterable[Violation]) -> set[str]:
+def _shut_in(graph: SceneGraph, conflicts: Iterable[Violation]) -> set[str]:
     """Ids of pieces that are undersized or in others, or before doors and passages: nobody gets
     by."""
     windows = {opening.id for opening in graph.openings if opening.kind == "window"}
-    return {item_id for one in found if one.other not in windows for item_id in one.items}
+    return {
+        item_id
+        for conflict in conflicts
+        if conflict.other not in windows
+        for item_id in conflict.items
+    }

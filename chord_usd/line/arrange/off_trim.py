@@ -41,7 +41,7 @@ def clear_trim(work: Arrangement) -> SceneGraph:
     trim = trim_of(graph)
     if not trim:
         return graph
-    tree = shapely.STRtree([footprint_polygon(one) for one in trim])
+    tree = shapely.STRtree([footprint_polygon(strip) for strip in trim])
     items = {item.id: item for item in graph.items}
     for item in graph.items:
         mount = category(item.category).mount
@@ -58,9 +58,9 @@ def clear_trim(work: Arrangement) -> SceneGraph:
 def trim_of(graph: SceneGraph) -> list[Box]:
     """Casings and window boards of a house."""
     return [
-        one
+        strip
         for opening, room in sides_of(graph.openings, graph.rooms)
-        for one in (*casings(opening, room), *boards(opening, room))
+        for strip in (*casings(opening, room), *boards(opening, room))
     ]
 
 
@@ -68,10 +68,10 @@ def is_in_trim(box: Box, trim: Sequence[Box]) -> bool:
     """Whether a box shares space with a casing or board."""
     shape = footprint_polygon(box)
     return any(
-        box.center_m[2] < one.top_m
-        and box.top_m > one.center_m[2]
-        and shape.intersection(footprint_polygon(one)).area > _TOUCH_M2
-        for one in trim
+        box.center_m[2] < strip.top_m
+        and box.top_m > strip.center_m[2]
+        and shape.intersection(footprint_polygon(strip)).area > _TOUCH_M2
+        for strip in trim
     )
 
 
@@ -81,10 +81,13 @@ def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
     What hangs on a wall moves along it. trim: also what the piece is not in, but may come into.
     """
     moves = [
-        move for one in trim if is_in_trim(item.box, [one]) for move in _ways_out(item.box, one)
+        move
+        for strip in trim
+        if is_in_trim(item.box, [strip])
+        for move in _ways_out(item.box, strip)
     ]
-    further = [move for one in trim for move in _ways_out(item.box, one)]
-    moves += [one + other for one in moves for other in further if abs(one @ other) < 1e-9]
+    further = [move for strip in trim for move in _ways_out(item.box, strip)]
+    moves += [move + step for move in moves for step in further if abs(move @ step) < 1e-9]
     if category(item.category).mount is Mount.WALL:
         front = front_direction(item.box.yaw_deg)
         moves = [move for move in moves if abs(front @ move) < _GAP_M]

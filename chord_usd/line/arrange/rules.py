@@ -64,10 +64,10 @@ def noted(name: str, before: SceneGraph, after: SceneGraph) -> SceneGraph:
     return replace(after, items=tuple(with_edit(item) for item in after.items))
 
 
-def _is_same(one: Box, other: Box) -> bool:
+def _is_same(a: Box, b: Box) -> bool:
     """But for rounding."""
-    first, second = ((*box.center_m, *box.size_m, box.yaw_deg) for box in (one, other))
-    return one == other or bool(np.allclose(first, second, rtol=0.0, atol=_SAME))
+    first, second = ((*box.center_m, *box.size_m, box.yaw_deg) for box in (a, b))
+    return a == b or bool(np.allclose(first, second, rtol=0.0, atol=_SAME))
 
 
 def edits_told(graph: SceneGraph) -> list[dict[str, str | float]]:
@@ -88,8 +88,8 @@ def _room_by_room(
     def rule(work: Arrangement) -> SceneGraph:
         items = {item.id: item for item in work.graph.items}
         for room in work.graph.rooms:
-            own = list(work.graph.items_of(room.id))
-            for item, box in zip(own, boxes_of(work, room.id, own), strict=True):
+            pieces = list(work.graph.items_of(room.id))
+            for item, box in zip(pieces, boxes_of(work, room.id, pieces), strict=True):
                 items[item.id] = replace(item, box=box)
         return replace(work.graph, items=tuple(items.values()))
 

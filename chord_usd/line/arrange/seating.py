@@ -1,4 +1,4 @@
-"""Chairs as they stand at tables: they face them, and those of one table are a set.
+"""Chairs as they stand at tables: they face them, and the chairs of a table are a set.
 
 Where tables are, the model paints chairs with torn edges and marks. Without a mark a chair says
 nothing of its front, being about square and off the walls; and by their edges alone no two chairs
@@ -74,16 +74,16 @@ def _facing(item: Item, items: Sequence[Item]) -> Item:
         return item
     way = _inward(table.box, item.box)
     turned = [_turned(item.box, quarters) for quarters in range(4)]
-    box = max(turned, key=lambda one: float(front_direction(one.yaw_deg) @ way))
+    box = max(turned, key=lambda box: float(front_direction(box.yaw_deg) @ way))
     return replace(item, box=box).found(front_from="table")
 
 
 def _inward(table: Box, chair: Box) -> FloatArray:
     """(2,) from the side of a table that a chair is at to the other one."""
-    own = to_own(table, chair.center_m[:2])
-    side = int(np.argmax(np.abs(own) - np.array(table.size_m[:2]) / 2))
+    local = to_own(table, chair.center_m[:2])
+    side = int(np.argmax(np.abs(local) - np.array(table.size_m[:2]) / 2))
     across = np.zeros(2)
-    across[side] = -np.sign(own[side])
+    across[side] = -np.sign(local[side])
     return rotation_2d(table.yaw_deg) @ across
 
 
@@ -136,8 +136,8 @@ def _usual_size_m(chairs: Sequence[Item]) -> tuple[float, float]:
 
 # Chairs at their tables: drawn out until nothing of them runs into the table, or left out --------
 
-# A layout tells how far a chair is pushed under a table, seen from above; whether its back passes
-# over the top and its legs stand between the table's is told by the meshes alone. So a chair that
+# A layout shows how far a chair is pushed under a table, seen from above; only the meshes show
+# whether its back passes over the top and its legs stand between the table's. So a chair that
 # runs into its table moves, by the least that sets it free, mostly away from where it faces. It
 # never moves into something else, out of its room or before a door. Colliders count as meshes do: a
 # simulator would throw apart what they hold in each other.
@@ -167,7 +167,7 @@ class Table:
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """As it is seen, and as it is felt."""
+        """Its meshes, and its colliders."""
         return _bodies(self.item)
 
     def is_near(self, chair: Item) -> bool:
@@ -201,7 +201,7 @@ def draw_out_chairs(work: Arrangement) -> SceneGraph:
 
 def tables_of(items: Sequence[Item]) -> list[Table]:
     """The tables among them that have a mesh."""
-    return [Table(one) for one in items if one.category in _TABLES and has_mesh(one)]
+    return [Table(item) for item in items if item.category in _TABLES and has_mesh(item)]
 
 
 def has_mesh(item: Item) -> bool:
@@ -233,26 +233,26 @@ def runs_into(box: Box, chair: Item, tables: Sequence[Table]) -> bool:
 
 
 def _bodies(item: Item) -> tuple[Body, Body]:
-    """An item as it is seen and as it is felt, in the world, without what stands on it."""
+    """Meshes and colliders of an item, in the world, without the things on it."""
     assert item.asset is not None
-    seen, felt = _solids(item.asset.usd_path)
-    return _body(item, item.asset, seen), _body(item, item.asset, felt)
+    seen, colliders = _solids(item.asset.usd_path)
+    return _body(item, item.asset, seen), _body(item, item.asset, colliders)
 
 
-def _body(item: Item, asset: Asset, own: Sequence[Solid]) -> Body:
+def _body(item: Item, asset: Asset, local: Sequence[Solid]) -> Body:
     """Solids in the frame of an item's asset, brought to where the item stands."""
     scale = np.diag(np.array(item.box.size_m) / np.array(asset.size_m))
     turn = np.eye(3)
     turn[:2, :2] = rotation_2d(item.box.yaw_deg)
-    solids = tuple(solid.placed(scale @ turn.T, np.array(item.box.center_m)) for solid in own)
+    solids = tuple(solid.placed(scale @ turn.T, np.array(item.box.center_m)) for solid in local)
     return Body(item.id, solids)
 
 
 @lru_cache(maxsize=64)
 def _solids(path: Path) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
-    """The meshes of an asset, and the boxes that it is felt as, in its own frame."""
+    """The meshes of an asset, and the boxes of its colliders, in its own frame."""
     stage, transforms = open_asset(path), UsdGeom.XformCache()
-    felt = tuple(
+    colliders = tuple(
         Solid(
             str(prim.GetPath()),
             Triangles.box(
@@ -263,7 +263,7 @@ def _solids(path: Path) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
         for prim in stage.Traverse()
         if prim.IsA(UsdGeom.Cube) and prim.HasAPI(UsdPhysics.CollisionAPI)
     )
-    return solids_of(stage.GetDefaultPrim(), transforms), felt
+    return solids_of(stage.GetDefaultPrim(), transforms), colliders
 
 
 # Chairs and armchairs as people leave them: a few degrees askew, a few centimetres drawn ---------

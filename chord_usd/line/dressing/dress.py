@@ -62,9 +62,9 @@ def dress(
 ) -> SceneGraph:
     """The house with its rooms dressed in a style.
 
-    rooms: ids of the rooms to dress anew, by default all; the others keep what they have. keep: ids
-    of dressing that stays as it is. What a room gets depends on the seed, its id and what stands in
-    it. Categories of which the database has nothing are left out.
+    rooms: ids of the rooms to dress again, by default all; the others keep their dressing. keep:
+    ids of dressing that stays as it is. What a room gets depends on the seed, its id and what
+    stands in it. Categories of which the database has nothing are left out.
     """
     chosen = set(rooms) or {room.id for room in graph.rooms}
     house = _House(graph, database, style, seed)
@@ -108,7 +108,9 @@ class _House:
         self._openings = as_cut(graph.rooms, graph.openings)
         self._clear = list(clearances(graph.rooms, self._openings))
         self._clear_floors = shapely.STRtree([floor for _, floor in self._clear])
-        self._holes = shapely.STRtree([footprint_polygon(one.box) for one in self._openings])
+        self._holes = shapely.STRtree(
+            [footprint_polygon(opening.box) for opening in self._openings]
+        )
         balconies = [room for room in graph.rooms if room.kind == "balcony"]
         near = {
             index
@@ -129,10 +131,10 @@ class _House:
         """Openings in the walls of other rooms that keep floor free in this one, open to them."""
         floor = self._floors.polygons[self._floors.index_of[room.id]]
         near = {self._openings[index].id for index in self._near(room)}
-        found = [self._clear[index] for index in sorted(self._clear_floors.query(floor))]
+        seen = [self._clear[index] for index in sorted(self._clear_floors.query(floor))]
         return [
             opening
-            for opening, clear in found
+            for opening, clear in seen
             if opening.id not in near and clear.intersection(floor).area > MIN_OVERLAP_M2
         ]
 
@@ -147,12 +149,12 @@ class _House:
     def _frame(self, room: Room, kept: Sequence[Item]) -> RoomFrame:
         near = self._near(room)
         openings = [self._openings[index] for index in near]
-        told = [self._graph.openings[index] for index in near]
+        nearby = [self._graph.openings[index] for index in near]
         faces = faces_of(room, openings, self._floors)
         pieces = tuple(self._graph.items_of(room.id))
         taken = TakenSpace()
         take_walls(taken, faces)
-        take_clearances(taken, [*openings, *told, *self._seen_from(room)])
+        take_clearances(taken, [*openings, *nearby, *self._seen_from(room)])
         take_pieces(taken, pieces, self._reliefs)
         take_fronts(taken, pieces)
         take_swings(taken, pieces, leaves_of)

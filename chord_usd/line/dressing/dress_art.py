@@ -95,9 +95,9 @@ def spots_of(frame: RoomFrame, height_m: float = 0.4) -> list[Spot]:
         for low, high in face.free_spans(frame.taken, 0.9, _TOP_M - 0.2, 0.1):
             if high - low >= _BARE_FROM_M:
                 spot = Spot(face, low + _MARGIN_M, high - _MARGIN_M, 0.95)
-                if not any(_same(spot, one) for one in over):
+                if not any(_same(spot, other) for other in over):
                     bare.append(spot)
-    return [*over, *sorted(bare, key=lambda one: -round(one.width_m, 3))]
+    return [*over, *sorted(bare, key=lambda spot: -round(spot.width_m, 3))]
 
 
 def _same(a: Spot, b: Spot) -> bool:
@@ -243,7 +243,7 @@ def _clock(frame: RoomFrame) -> None:
     clocks = frame.stock.family(frame.stock.offered("clock"), f"clock/{frame.kind}")
     for asset in clocks[:1]:
         base_m = 1.85 - asset.size_m[2] / 2
-        for face in sorted(frame.faces, key=lambda one: -one.length_m):
+        for face in sorted(frame.faces, key=lambda face: -face.length_m):
             for low, high in face.free_spans(
                 frame.taken, base_m - 0.08, base_m + asset.size_m[2] + 0.08, 0.1
             ):
@@ -279,7 +279,7 @@ def _on_bare_wall(
         )
         if high - low >= asset.size_m[0] + 0.2
     ]
-    for _, face, middle in sorted(spans, key=lambda one: round(one[0], 3)):
+    for _, face, middle in sorted(spans, key=lambda span: round(span[0], 3)):
         box = face.box(middle, base_m, asset.size_m)
         item = _put_beside_ways(frame, asset, box)
         if item is not None:
@@ -352,7 +352,7 @@ def _wall_lamps(frame: RoomFrame) -> None:
         for bed in frame.of("bed"):
             _beside_bed(frame, bed, asset)
     elif frame.kind in ("corridor", "balcony"):
-        for face in sorted(frame.faces, key=lambda one: -one.length_m)[:3]:
+        for face in sorted(frame.faces, key=lambda face: -face.length_m)[:3]:
             for low, high in face.free_spans(frame.taken, 1.4, 2.2, 0.25):
                 is_dry = frame.kind == "corridor" or not face.is_outer
                 box = face.box((low + high) / 2, 1.75, asset.size_m)

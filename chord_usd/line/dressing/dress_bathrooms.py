@@ -44,8 +44,8 @@ def _screen(frame: RoomFrame, tub: Item) -> None:
             if frame.floor.covers(shapely.Point(end)):
                 continue
             y = -depth / 2 + asset.size_m[1] / 2 + 0.01
-            own = Box((x, y, 0.0), asset.size_m, 0.0)
-            base_m = relief.highest_m(own)
+            local = Box((x, y, 0.0), asset.size_m, 0.0)
+            base_m = relief.highest_m(local)
             box = in_world(Box((x, y, base_m), asset.size_m, 0.0), tub.box)
             if base_m > 0.4 and frame.put_where_free(asset, box, rests_on=tub.id, but=(tub.id,)):
                 return

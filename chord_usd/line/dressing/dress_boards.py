@@ -117,20 +117,20 @@ def _inside(frame: RoomFrame, item: Item) -> list[Board]:
     wishes = {"bathroom": _BATH_SHELF, "kitchen": _COOK_SHELF, "store": _HIGH}.get(
         learned_kind(frame.kind), _SHELF
     )
-    found = []
+    inner = []
     size_m = item.asset.size_m if item.asset else item.box.size_m
     share = np.tile(np.divide(item.box.size_m, size_m), 2)
     for low_x, front, low_z, high_x, back, high_z in frame.boards(item) * share:
-        own = Box(
+        local = Box(
             ((low_x + high_x) / 2, (front + back) / 2, low_z),
             (high_x - low_x - 0.02, back - front, high_z - low_z - 0.01), 0.0,
         )  # fmt: skip
         most = _count(frame, high_x - low_x, 0.22, 6)
         groups = 1 + (high_x - low_x > 0.7)
-        found.append(
-            Board(in_world(own, item.box), item.id, wishes, most, groups, within=(item.id,))
+        inner.append(
+            Board(in_world(local, item.box), item.id, wishes, most, groups, within=(item.id,))
         )
-    return found[:_MOST_INSIDE]
+    return inner[:_MOST_INSIDE]
 
 
 def _top_of(item: Item, clear_m: float) -> Box:
@@ -209,9 +209,9 @@ def _chosen(
     wishes = [*board.wishes[start:], *board.wishes[:start]] * 2
     if board.wishes in (_WORKTOP, _BASIN, _SINK):
         wishes = list(board.wishes)
-    found: list[Asset] = []
+    assets: list[Asset] = []
     for wish in wishes[: board.most + 3]:
-        if len(found) >= board.most:
+        if len(assets) >= board.most:
             break
         if rng.random() > frame.taste.little + 0.15:
             continue
@@ -227,14 +227,14 @@ def _chosen(
         least = min((used.get(a.id, 0) for a in fitting), default=0)
         fresh = [a for a in fitting if used.get(a.id, 0) == least]
         for asset in frame.stock.some(fresh, rng, 1):
-            found.append(asset)
+            assets.append(asset)
             used[asset.id] = used.get(asset.id, 0) + 1
             used[name] = used.get(name, 0) + 1
-    return found
+    return assets
 
 
 def _offered(frame: RoomFrame, name: str) -> Sequence[Asset]:
-    """What there is of a category; bottles are those of the room's kind."""
+    """The assets of a category; bottles suit the room's kind."""
     if name == "bottle":
         tag = "bath" if frame.kind in WET_KINDS else "kitchen"
         return frame.stock.offered(name, tag) or frame.stock.offered(name)
@@ -316,9 +316,9 @@ def _carries(frame: RoomFrame, board: Board, box: Box, x: float, y: float, asset
     if board.host is None:
         return True
     relief = frame.relief(board.host)
-    own = Box((x, y, 0.0), asset.size_m, 0.0)
+    local = Box((x, y, 0.0), asset.size_m, 0.0)
     top_m = board.host.box.size_m[2]
-    mask, window = relief.under(own)
+    mask, window = relief.under(local)
     heights = relief.heights_m[window][mask]
     over_m = heights - top_m
     return bool(heights.size) and bool(np.all((over_m > -_SUNK_M) & (over_m < _PROUD_M)))

@@ -112,8 +112,8 @@ def _lay(
     chosen = frame.stock.family([rug.asset for rug in rugs], f"{category}/{frame.room.id}")
     rugs.sort(key=lambda rug: (rug.asset not in chosen, rug.misses(wanted), rug.asset.id))
     for rug in rugs[:14]:
-        own = (at[0], at[1] - rug.across_m / 2) if anchored else at
-        x, y = to_world(about, own)
+        local = (at[0], at[1] - rug.across_m / 2) if anchored else at
+        x, y = to_world(about, local)
         yaw_deg = about.yaw_deg + (90.0 if rug.turned else 0.0)
         box = Box((float(x), float(y), 0.0), rug.asset.size_m, yaw_deg)
         if can_lie(frame, box):
@@ -242,7 +242,7 @@ def _runner(frame: RoomFrame) -> None:
         for step in (0.0, 0.2, -0.2, 0.4, -0.4, 0.7, -0.7):
             at = np.array([middle.x, middle.y]) + step * np.array([x, y]) / max(long, 1e-6)
             box = Box((float(at[0]), float(at[1]), 0.0), asset.size_m, yaw)
-            # Leaves open over a runner: it is thin, but rugs at thresholds wear and trip.
+            # Leaves open over a runner: it is thin, but rugs at thresholds fray and trip.
             if can_lie(frame, box):
                 frame.put(asset, box, reason=as_underfoot(box))
                 return
@@ -332,7 +332,7 @@ def _floor_places(frame: RoomFrame, asset: Asset, near: Item | None, *, beside: 
 
 def _corners(frame: RoomFrame, size_m: tuple[float, float, float]) -> list[Box]:
     """Convex corners of the room, those near windows first."""
-    found = []
+    boxes = []
     for face in frame.faces:
         for other in frame.faces:
             # Where a wall begins at its left, another ends at its right.
@@ -345,11 +345,11 @@ def _corners(frame: RoomFrame, size_m: tuple[float, float, float]) -> list[Box]:
                 and _is_floor(frame, face.start_m + 0.05 * (face.inward + other.inward))
             ):
                 u = _FROM_WALL_M + size_m[0] / 2
-                found.append(face.box(u, 0.0, size_m, _FROM_WALL_M))
+                boxes.append(face.box(u, 0.0, size_m, _FROM_WALL_M))
     windows = [hole.opening.box.center_m[:2] for _, hole in frame.holes("window")]
     if windows:
-        found.sort(key=lambda box: round(min(math.dist(box.center_m[:2], w) for w in windows), 2))
-    return found
+        boxes.sort(key=lambda box: round(min(math.dist(box.center_m[:2], w) for w in windows), 2))
+    return boxes
 
 
 def _is_floor(frame: RoomFrame, point_m: FloatArray) -> bool:
@@ -358,12 +358,12 @@ def _is_floor(frame: RoomFrame, point_m: FloatArray) -> bool:
 
 def _ends(frame: RoomFrame, size_m: Sequence[float]) -> list[Box]:
     """Beside what stands at walls: the ends of the free stretches."""
-    found = []
+    boxes = []
     for face in frame.faces:
         spans = face.free_spans(frame.taken, 0.0, size_m[2], size_m[1] + _FROM_WALL_M)
         for low, high in spans:
             if high - low < size_m[0] + 0.1:
                 continue
             for middle in (low + 0.05 + size_m[0] / 2, high - 0.05 - size_m[0] / 2):
-                found.append(face.box(middle, 0.0, (size_m[0], size_m[1], size_m[2]), _FROM_WALL_M))
-    return found
+                boxes.append(face.box(middle, 0.0, (size_m[0], size_m[1], size_m[2]), _FROM_WALL_M))
+    return boxes

@@ -61,12 +61,12 @@ def dress_kitchen(frame: RoomFrame) -> None:
 
 def _units_at(frame: RoomFrame, face: WallFace) -> list[Placed]:
     """Low units with their back to a wall, from left to right."""
-    found = []
+    units = []
     for item in frame.of(*having("worktop")):
         if item.box.size_m[2] <= _WORKTOP_M and face.has_back_of(item.box):
             low, high, _, _ = face.span_of(item.box)
-            found.append((item, max(low, 0.0), min(high, face.length_m)))
-    return sorted(found, key=lambda one: one[1])
+            units.append((item, max(low, 0.0), min(high, face.length_m)))
+    return sorted(units, key=lambda unit: unit[1])
 
 
 def _runs(units: list[Placed]) -> list[list[Placed]]:
@@ -129,8 +129,10 @@ def _rail(frame: RoomFrame, face: WallFace, units: Sequence[Placed]) -> None:
         return
     rails = frame.stock.family(frame.stock.offered("utensil_rail"), "utensil_rail")
     at = [(low + high) / 2 for item, low, high in units if item.category == "cooker_cabinet"]
-    beside = [one for one in units if one[0].category in having("floor_cabinet")]
-    for _, low, high in sorted(beside, key=lambda one: abs((one[1] + one[2]) / 2 - (at or [0])[0])):
+    beside = [unit for unit in units if unit[0].category in having("floor_cabinet")]
+    for _, low, high in sorted(
+        beside, key=lambda unit: abs((unit[1] + unit[2]) / 2 - (at or [0])[0])
+    ):
         for asset in sorted(rails, key=lambda a: (-a.size_m[0], a.id)):
             base_m = _CABINET_BASE_M - 0.05 - asset.size_m[2]
             box = frame.against(face, (low + high) / 2, base_m, asset.size_m)
@@ -156,8 +158,8 @@ def _pots(frame: RoomFrame, cooker: Item) -> None:
             top_m = _stands_at(relief, at, sole_m)
             if top_m is None or abs(top_m - height) > _HOB_M:
                 continue
-            own = Box((at[0] + handle_m, at[1], top_m), asset.size_m, 0.0)
-            box = in_world(own, cooker.box)
+            local = Box((at[0] + handle_m, at[1], top_m), asset.size_m, 0.0)
+            box = in_world(local, cooker.box)
             if frame.put_where_free(asset, box, rests_on=cooker.id, but=(cooker.id,)):
                 break
 

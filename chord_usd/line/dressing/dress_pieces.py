@@ -113,7 +113,8 @@ def _cushions_on_sofa(frame: RoomFrame, item: Item, seat: Seat) -> None:
 
 
 def _choice(frame: RoomFrame, rng: np.random.Generator, count: int) -> list[Asset]:
-    """Square cushions of one or two kinds, in pairs, and for an odd one a long or a small one."""
+    """Square cushions of one or two kinds, in pairs; an odd number gets a long or a small
+    cushion."""
     offered = within(frame.stock.offered("cushion"), (0.7, 0.4, 0.6))
     tall = [asset for asset in offered if asset.size_m[2] >= _TALL_M]
     low = [asset for asset in offered if asset.size_m[2] < _TALL_M]
@@ -149,12 +150,12 @@ def _lean(frame: RoomFrame, item: Item, seat: Seat, asset: Asset, x: float) -> b
         y = seat.back_m - depth / 2 - 0.005 - 0.015 * step
         if y - depth / 2 < seat.front_m + 0.05:
             return False
-        own = Box((x, y, 0.0), asset.size_m, 0.0)
-        if relief.highest_m(own) <= seat.level_m + 0.045:
+        local = Box((x, y, 0.0), asset.size_m, 0.0)
+        if relief.highest_m(local) <= seat.level_m + 0.045:
             break
     else:
         return False
-    mask, window = relief.under(own)
+    mask, window = relief.under(local)
     base_m = float(np.quantile(relief.heights_m[window][mask], 0.8)) - _SINKS_M
     box = in_world(Box((x, y, base_m), asset.size_m, 0.0), item.box)
     if frame.taken.hits(box, ("rug",), (item.id,)) or not frame.is_inside(box):
@@ -203,8 +204,8 @@ def _throw_over_bed(frame: RoomFrame, item: Item, seat: Seat) -> None:
     relief = frame.relief(item)
     size_m = (stretched(asset.size_m[0], length + 0.06), *asset.size_m[1:])
     y = -depth / 2 + size_m[1] / 2 + 0.18
-    own = Box((0.0, y, 0.0), (length, size_m[1], 0.1), 0.0)
-    top_m = relief.highest_m(own) + _ON_BED_M
+    local = Box((0.0, y, 0.0), (length, size_m[1], 0.1), 0.0)
+    top_m = relief.highest_m(local) + _ON_BED_M
     box = in_world(Box((0.0, y, top_m - size_m[2]), size_m, 0.0), item.box)
     if frame.is_inside(box) and not frame.taken.hits(box, ("rug",), (item.id,)):
         frame.put(asset, box, rests_on=item.id)
@@ -256,7 +257,7 @@ def _over_front(
     top_m = relief.highest_m(Box((x, y + 0.05, 0.0), (length, depth - 0.1, 0.1), 0.0))
     if top_m > seat.level_m + _RISE_M:
         return None
-    own = Box((x, y, top_m + _THICK_M - height), (length, depth, height), 0.0)
-    box = in_world(own, item.box)
+    local = Box((x, y, top_m + _THICK_M - height), (length, depth, height), 0.0)
+    box = in_world(local, item.box)
     free = not frame.taken.hits(box, ("rug",), (item.id,))
     return box if free and frame.is_inside(box) else None

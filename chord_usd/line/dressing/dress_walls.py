@@ -46,7 +46,9 @@ def hang_television(frame: RoomFrame, view: View) -> None:
     they are bare."""
     if len(view.of("tv_cabinet")) > len(view.bare):
         return
-    largest = sorted(frame.stock.offered("television"), key=lambda one: (-one.size_m[0], one.id))
+    largest = sorted(
+        frame.stock.offered("television"), key=lambda asset: (-asset.size_m[0], asset.id)
+    )
     for beside_m, asset in product((BESIDE_CURTAINS_M, BESIDE_M), largest):
         for box in places_on_walls(view, asset.size_m, beside_m):
             step = BEHIND_M * front_direction(box.yaw_deg)
@@ -78,7 +80,7 @@ def _heat(frame: RoomFrame) -> None:
     offered = within(frame.stock.offered("radiator"), (9.0, _DEEP_M, _HIGH_M), (0.0, 0.0, 0.3))
     family = frame.stock.family(offered, "radiator")
     lit = [face for face, _ in frame.holes("window")]
-    for asset in sorted(family, key=lambda one: (abs(one.size_m[0] - _WALL_LONG_M), one.id)):
+    for asset in sorted(family, key=lambda asset: (abs(asset.size_m[0] - _WALL_LONG_M), asset.id)):
         top_m, deep_m = _RADIATOR_BASE_M + asset.size_m[2], asset.size_m[1] + 0.03
         spans = [
             (face not in lit, start - end, face, (start + end) / 2)
@@ -86,7 +88,7 @@ def _heat(frame: RoomFrame) -> None:
             for start, end in face.free_spans(frame.taken, _RADIATOR_BASE_M, top_m, deep_m)
             if end - start >= asset.size_m[0] + 2 * _ENDS_M
         ]
-        for _, _, face, middle in sorted(spans, key=lambda one: one[:2]):
+        for _, _, face, middle in sorted(spans, key=lambda span: span[:2]):
             if _hung(frame, asset, face.box(middle, _RADIATOR_BASE_M, asset.size_m)):
                 return
 
@@ -192,7 +194,7 @@ def _worktop_sockets(frame: RoomFrame, asset: Asset) -> None:
 
 
 def _socket_anywhere(frame: RoomFrame, asset: Asset) -> None:
-    for face in sorted(frame.faces, key=lambda one: -one.length_m):
+    for face in sorted(frame.faces, key=lambda face: -face.length_m):
         spans = face.free_spans(frame.taken, 0.0, 1.0, 0.1)
         for low, high in spans:
             if high - low > 0.6:

@@ -131,11 +131,13 @@ def _hung(frame: RoomFrame, place: _Place, rail: Box, *, drawn: bool) -> list[tu
         wanted.append((top_m - hole.low_m, top_m - hole.low_m + _BELOW_SILL_M))
     for least, most in wanted:
         heights = {asset: stretched(asset.size_m[2], most) for asset in curtains}
-        fitting = [one for one in curtains if least - 1e-6 <= heights[one] <= most + 1e-6]
+        fitting = [
+            curtain for curtain in curtains if least - 1e-6 <= heights[curtain] <= most + 1e-6
+        ]
         if fitting:
-            found = _pair(frame, place, rail, fitting, heights[fitting[0]], drawn=drawn)
-            if found:
-                return found
+            pair = _pair(frame, place, rail, fitting, heights[fitting[0]], drawn=drawn)
+            if pair:
+                return pair
     return []
 
 
@@ -161,7 +163,7 @@ def _pair(
     rail_from, rail_to, _, _ = face.span_of(rail)
     is_door = hole.opening.kind == "door"
     other_boards = _on_other_boards(frame, face)
-    found = []
+    pair = []
     for is_left in (True, False):
         if drawn:
             wanted = (rail_to - rail_from) / 2
@@ -181,9 +183,9 @@ def _pair(
         box = face.box(middle, rail.center_m[2] - height, size_m, v_m)
         ignoring = ("rug", "front", "swing") if is_door else _WALL
         if frame.fits(box, ignoring) and not other_boards.hits(box):
-            found.append((asset, box))
-    is_whole = len(found) == 2 or (len(found) == 1 and not drawn and hole.width_m < 1.3)
-    return found if is_whole else []
+            pair.append((asset, box))
+    is_whole = len(pair) == 2 or (len(pair) == 1 and not drawn and hole.width_m < 1.3)
+    return pair if is_whole else []
 
 
 def _on_other_boards(frame: RoomFrame, face: WallFace) -> TakenSpace:

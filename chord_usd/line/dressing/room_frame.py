@@ -236,12 +236,12 @@ def named(items: Iterable[Item], room_id: str, taken_ids: Collection[str]) -> It
             yield item
             continue
         while True:
-            own = f"{room_id}/dressing/{item.category}_{counts[item.category]}"
+            new_id = f"{room_id}/dressing/{item.category}_{counts[item.category]}"
             counts[item.category] += 1
-            if own not in taken_ids:
+            if new_id not in taken_ids:
                 break
-        ids[item.id] = own
+        ids[item.id] = new_id
         rests_on = item.facts.rests_on
         if rests_on is not None and rests_on in ids:
             item = item.found(rests_on=ids[rests_on])
-        yield replace(item, id=own)
+        yield replace(item, id=new_id)

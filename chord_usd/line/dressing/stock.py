@@ -38,9 +38,9 @@ class Stock:
         """
         if category not in self._offered:
             self._offered[category] = self._suiting(self.every(category))
-        found = self._offered[category]
-        tagged = _with_tag(found, tag)
-        if tagged or not any(asset.id in self._database.own for asset in found):
+        assets = self._offered[category]
+        tagged = _with_tag(assets, tag)
+        if tagged or not any(asset.id in self._database.own for asset in assets):
             return tagged
         shipped = [a for a in self.every(category) if a.id not in self._database.own]
         return _with_tag(self._suiting(shipped), tag)
@@ -50,8 +50,8 @@ class Stock:
         return self._database.of_category(category) if category in CATEGORIES else ()
 
     def _suiting(self, assets: Sequence[Asset]) -> tuple[Asset, ...]:
-        own = tuple(asset for asset in assets if asset.id in self._database.own)
-        candidates = own or tuple(assets)
+        preferred = tuple(asset for asset in assets if asset.id in self._database.own)
+        candidates = preferred or tuple(assets)
         suited = tuple(a for a in candidates if not a.styles or self._style in a.styles)
         return suited or candidates
 
@@ -70,12 +70,12 @@ class Stock:
         return tuple(families[min(families, key=rank)])
 
     def some(self, assets: Sequence[Asset], rng: np.random.Generator, count: int) -> list[Asset]:
-        """Up to so many different ones, those of the style's own form likelier first."""
+        """Up to count different assets, the forms of the style likelier first."""
         if not assets:
             return []
-        own = np.array([_OWN_FORM if self._style in asset.styles else 1.0 for asset in assets])
+        weights = np.array([_OWN_FORM if self._style in asset.styles else 1.0 for asset in assets])
         count = min(count, len(assets))
-        chosen = rng.choice(len(assets), count, replace=False, p=own / own.sum())
+        chosen = rng.choice(len(assets), count, replace=False, p=weights / weights.sum())
         return [assets[int(index)] for index in chosen]
 
     def fetch(self, asset: Asset) -> Asset:

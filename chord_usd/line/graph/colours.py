@@ -2,8 +2,8 @@
 
 An item's colour depends on the floor it is painted over, so the shades are read first: one room
 region (pixels enclosed by walls, doors and windows) has one shade, an open-plan region several.
-Rasters whose colours are not exactly those of the palette (JPEG, noise) are smoothed within their
-flat areas before they are read.
+Rasters whose colours differ from the palette (JPEG, noise) are smoothed within their flat areas
+before they are read.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def is_exact(rgb: ByteArray) -> bool:
 def calibrated(rgb: ByteArray) -> ByteArray | None:
     """(H, W, 3) the picture in the palette's colours; None where no shift explains the colours.
 
-    Blurred, compressed and hand-painted pictures have colours between those of the palette.
+    Blurred, compressed and hand-painted pictures have colours between the palette's.
     """
     rim = np.ones(rgb.shape[:2], bool)
     rim[_RIM_PX:-_RIM_PX, _RIM_PX:-_RIM_PX] = False
@@ -115,7 +115,7 @@ def calibrated(rgb: ByteArray) -> ByteArray | None:
     shown = max(
         (_stretched(seen, white, black) for white in _unclipped(background, 255)
          for black in _unclipped(wall, 0)),
-        key=lambda one: float(counts @ _near_palette(_ROUNDING)[packed(one)]),
+        key=lambda candidate: float(counts @ _near_palette(_ROUNDING)[packed(candidate)]),
     )  # fmt: skip
     picture = shown[back].reshape(rgb.shape)
     return picture if _share_near(picture, _ROUNDING) >= _LEAST_SHARE else None
@@ -124,8 +124,8 @@ def calibrated(rgb: ByteArray) -> ByteArray | None:
 def _unclipped(anchor: Floats, end: int) -> Iterator[Floats]:
     """(3,) what an anchor may have been, where it was clipped at an end of the scale."""
     beyond = np.copysign(np.arange(0.0, _MOST_CLIPPED + 1, 2.0), end - 1)
-    own = [level + (beyond if level == end else beyond[:1]) for level in anchor]
-    return (np.array(levels) for levels in itertools.product(*own))
+    choices = [level + (beyond if level == end else beyond[:1]) for level in anchor]
+    return (np.array(levels) for levels in itertools.product(*choices))
 
 
 def _stretched(rgb: ByteArray, background: Floats, wall: Floats) -> ByteArray:
@@ -384,10 +384,10 @@ def _without_rings(
         better = cost < least[reach]
         least[reach] = np.where(better, cost, least[reach])
         nearest[reach] = np.where(better, label, nearest[reach])
-    own = ((levels - ITEM_RGB[shade, code]) ** 2).sum(axis=-1)
-    code = np.where(clear & (own > _MIXED_COST) & np.isfinite(least), nearest, code)
-    found = np.where(code == _FLOOR, NO_ITEM, code // 2).astype(np.int16)
-    return found, (code != _FLOOR) & (code % 2 == 1)
+    current = ((levels - ITEM_RGB[shade, code]) ** 2).sum(axis=-1)
+    code = np.where(clear & (current > _MIXED_COST) & np.isfinite(least), nearest, code)
+    labels = np.where(code == _FLOOR, NO_ITEM, code // 2).astype(np.int16)
+    return labels, (code != _FLOOR) & (code % 2 == 1)
 
 
 def _core(member: BoolArray, by_wall: BoolArray | None) -> ByteArray:
@@ -416,8 +416,8 @@ def _settle(
                 for label in present
             ]
         )
-        own = np.take_along_axis(votes, np.searchsorted(present, code)[None], axis=0)[0]
-        lone = clear & (own <= 2) & (votes.max(axis=0) >= 5)
+        support = np.take_along_axis(votes, np.searchsorted(present, code)[None], axis=0)[0]
+        lone = clear & (support <= 2) & (votes.max(axis=0) >= 5)
         code = np.where(lone, present[votes.argmax(axis=0)], code)
     return np.where(code == 0, NO_ITEM, (code - 1) // 2).astype(np.int16), (code > 0) & (
         (code - 1) % 2 == 1

@@ -50,7 +50,7 @@ LEAST_SIDE_PX = 8.0
 """Items are taught and proposed with boxes at least this long and wide.
 
 A box must hold a point of the output grid to be proposed, and the finest grid has one every 8
-pixels: of panels drawn at their true thickness, a pixel or two, most could not be told.
+pixels: most panels drawn at their true thickness, a pixel or two, would be missed.
 """
 
 CONFIG_FILE = "config.json"
@@ -117,8 +117,8 @@ class RoomSegmenter:
         min_score: LEAST_SCORE at least.
         """
         side = IMAGE_PX["rooms"]
-        found, protos = self._network.run({"rgb": scaled(rgb, side)[None]})
-        rows = found[0][found[0][:, 4] >= min_score]
+        raw, protos = self._network.run({"rgb": scaled(rgb, side)[None]})
+        rows = raw[0][raw[0][:, 4] >= min_score]
         boxes = rows[:, :4] * (CANVAS_PX / side)
         planes = np.einsum("nc,chw->nhw", rows[:, 6:], protos[0])
         return [
@@ -218,5 +218,5 @@ def _within(mask: BoolArray, box: FloatArray) -> BoolArray:
 def _box_corners(row: FloatArray) -> FloatArray:
     x, y, length, width, _, _, radians = row
     cos, sin = np.cos(radians), np.sin(radians)
-    own = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]]) * (length / 2, width / 2)
-    return own @ np.array([[cos, sin], [-sin, cos]]) + (x, y)
+    corners = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]]) * (length / 2, width / 2)
+    return corners @ np.array([[cos, sin], [-sin, cos]]) + (x, y)

@@ -17,7 +17,7 @@ SAME_DEG = 1.5
 """Directions closer than this are one."""
 
 _END_PX = 1.0
-"""How far off an end of a side may lie: short sides tell their direction poorly."""
+"""Error of an end of a side: short sides give their direction poorly."""
 
 _LEAST_SIDE_PX = 12.0
 """Shorter stretches of a pixelated outline have no direction to speak of."""
@@ -37,14 +37,14 @@ class Directions:
     """(S,) index of the room whose side it is."""
 
     def weight(self, angle_deg: float) -> float:
-        """Length of wall in a direction, as a share of that in the most frequent one; [0, 1]."""
+        """Length of wall in a direction, as a share of the most frequent direction's; [0, 1]."""
         lengths = np.hypot(*(self.segments[:, 2:] - self.segments[:, :2]).T)
         totals = np.bincount(self.of_segment, lengths, minlength=len(self.angles_deg))
-        own = totals[self.angles_deg == angle_deg].sum()
-        return float(own / totals.max()) if totals.size and totals.max() > 0.0 else 1.0
+        length = totals[self.angles_deg == angle_deg].sum()
+        return float(length / totals.max()) if totals.size and totals.max() > 0.0 else 1.0
 
     def near(self, point: FloatArray) -> list[float]:
-        """Directions of the room around an upright point (2,), that of the nearest side first.
+        """Directions of the room around an upright point (2,), the nearest side's first.
 
         A side gives its direction to what is no farther from it than it is long.
         """
@@ -52,11 +52,11 @@ class Directions:
             return [0.0]
         distance = _distance(point, self.segments)
         lengths = np.hypot(*(self.segments[:, 2:] - self.segments[:, :2]).T)
-        own = self.room_of_segment == self.room_of_segment[distance.argmin()]
-        reaching = own & (distance <= lengths)
-        counted = np.flatnonzero(reaching if reaching.any() else own)
+        in_room = self.room_of_segment == self.room_of_segment[distance.argmin()]
+        reaching = in_room & (distance <= lengths)
+        counted = np.flatnonzero(reaching if reaching.any() else in_room)
         counted = counted[np.argsort(distance[counted], kind="stable")]
-        return [float(self.angles_deg[one]) for one in dict.fromkeys(self.of_segment[counted])]
+        return [float(self.angles_deg[index]) for index in dict.fromkeys(self.of_segment[counted])]
 
 
 def plan_directions(rooms: Iterable[Room], frame: PixelFrame) -> Directions:

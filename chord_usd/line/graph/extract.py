@@ -82,13 +82,13 @@ def extract_graph(
         plan = name_in_tiles((segmenter or _shipped_segmenter()).segment, plan, layout)
     directions = plan_directions(plan.rooms, layout.frame)
     if pixels.clean or not proposals:
-        found = find_items(pixels, layout.frame.m_per_px, directions, proposals)
+        detected = find_items(pixels, layout.frame.m_per_px, directions, proposals)
     else:
         from chord_usd.line.graph.network_items import find_foreign_items
 
         m_per_px = layout.frame.m_per_px
-        found = find_foreign_items(pixels, layout.rgb, m_per_px, directions, proposals)
-    items = place_items(found, plan.rooms, layout.frame)
+        detected = find_foreign_items(pixels, layout.rgb, m_per_px, directions, proposals)
+    items = place_items(detected, plan.rooms, layout.frame)
     graph = replace(plan.scene(), items=items, provenance=layout.provenance)
     kinds = {room.kind for room in graph.rooms if room.id not in nameless}
     again = [room.id for room in graph.rooms if room.kind == "kitchen" in kinds]
@@ -164,13 +164,13 @@ def detect_in_tiles(
     detect: Callable[[ByteArray], Sequence[Detection]], rgb: ByteArray
 ) -> list[Detection]:
     """Proposals for a layout raster of any size, in its pixels."""
-    found = []
+    detections = []
     for tile in tiles_of(rgb):
-        for one in detect(tile.rgb):
-            corners_px = one.corners_px + tile.corner_px
+        for detection in detect(tile.rgb):
+            corners_px = detection.corners_px + tile.corner_px
             if tile.counts(corners_px.mean(axis=0)):
-                found.append(replace(one, corners_px=frozen_array(corners_px)))
-    return found
+                detections.append(replace(detection, corners_px=frozen_array(corners_px)))
+    return detections
 
 
 def name_in_tiles(

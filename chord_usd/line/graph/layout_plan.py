@@ -49,8 +49,8 @@ _CLASSES = {row.name: row.detector_class for row in PLAN_CATEGORIES}
 def read_plan(pixels: LayoutPixels, frame: PixelFrame) -> Plan:
     """Rooms and openings. Raises SceneError when no enclosed floor is found.
 
-    Rooms are told apart by walls, doors, windows, and by their shades where they touch; kinds come
-    from the shades (name_rooms names white ones).
+    Walls, doors and windows part rooms, and so do their shades where they touch; kinds come from
+    the shades (name_rooms names white ones).
     """
     passages = _passages(pixels, frame)
     labels = _label_rooms(pixels, passages, frame)
@@ -75,15 +75,15 @@ def _passages(pixels: LayoutPixels, frame: PixelFrame) -> list[_Part]:
     """White bars as thin as a wall between shaded rooms."""
     white = (pixels.structure == CLEAR) & (pixels.shade == _WHITE)
     thickness_px = WALL_THICKNESS_M / frame.m_per_px
-    found = []
+    parts = []
     for part in _parts(white):
         if part.touches_border:
             continue
         box = part.box()
         straight = part.size > _STRAIGHT * box.length_px * box.width_px
         if straight and abs(box.width_px - thickness_px) <= 1.5 and box.length_px > box.width_px:
-            found.append(part)
-    return found
+            parts.append(part)
+    return parts
 
 
 def _label_rooms(pixels: LayoutPixels, passages: Sequence[_Part], frame: PixelFrame) -> IntArray:
@@ -394,10 +394,10 @@ class Walls:
         # From the wall's inner face, half its thickness out of the room.
         depth = float((center_m - self._start[nearest]) @ outward)
         center_m = center_m + (WALL_THICKNESS_M / 2 - depth) * outward
-        own = self._room[nearest]
+        owner = self._room[nearest]
         behind = self._is_behind(center_m + outward * 0.75 * WALL_THICKNESS_M)
         order = dict.fromkeys(int(room) for room in self._room[near])
-        joined = [self.rooms[room].id for room in order if room == own or behind[room]]
+        joined = [self.rooms[room].id for room in order if room == owner or behind[room]]
         middle = float(center_m[0]), float(center_m[1])
         return middle, float(self._along_deg[nearest]), tuple(joined[:2])
 

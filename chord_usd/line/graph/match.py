@@ -71,7 +71,7 @@ class Database(Protocol):
 
 
 def place_items(
-    found: Sequence[FoundItem],
+    detected: Sequence[FoundItem],
     rooms: Sequence[Room],
     frame: PixelFrame,
 ) -> tuple[Item, ...]:
@@ -83,11 +83,11 @@ def place_items(
     """
     floors = _Floors(rooms, frame.m_per_px)
     by_room: dict[int, list[tuple[FoundItem, Box]]] = defaultdict(list)
-    for one in found:
-        box = box_of(one.detection, frame)
+    for item in detected:
+        box = box_of(item.detection, frame)
         index = floors.holding(footprint_polygon(box))
         if index is not None:
-            by_room[index].append((one, box))
+            by_room[index].append((item, box))
     items: list[Item] = []
     for index, room in enumerate(rooms):
         items += _items_of(room, by_room[index], FLUSH_PX * frame.m_per_px)
@@ -111,8 +111,8 @@ def box_of(detection: Detection, frame: PixelFrame) -> Box:
 def items_seen(detections: Iterable[Detection], frame: PixelFrame) -> tuple[Item, ...]:
     """Detections as items just where they were seen, in no room and without meshes."""
     return tuple(
-        Item(f"{one.category}_{index}", one.category, box_of(one, frame))
-        for index, one in enumerate(detections)
+        Item(f"{detection.category}_{index}", detection.category, box_of(detection, frame))
+        for index, detection in enumerate(detections)
     )
 
 
@@ -147,7 +147,7 @@ def _matched(item: Item, database: Database, desks: BaseGeometry, bare: Collecti
         variety=facts.unit, is_screenless=item.id in bare,
     )  # fmt: skip
     missed_m = float(np.hypot(*np.subtract(asset.size_m[:2], item.box.size_m[:2])))
-    # Seen from above nothing tells a height.
+    # A picture from above shows no height.
     is_guess = (bool(facts.source_px) or facts.locked) and facts.unit is None
     box = fitted_box(item.box, asset, category(item.category), is_guess=is_guess)
     raised_m = box.size_m[2] - item.box.size_m[2]
@@ -193,33 +193,35 @@ class _Floors:
         return best if 0.0 < inside >= LEAST_INSIDE * shape.area else None
 
 
-def _items_of(room: Room, found: Sequence[tuple[FoundItem, Box]], reach_m: float) -> list[Item]:
-    boxes = _flush_boxes(room, found, reach_m)
-    placed = [(one, box) for (one, _), box in zip(found, boxes, strict=True)]
+def _items_of(room: Room, detected: Sequence[tuple[FoundItem, Box]], reach_m: float) -> list[Item]:
+    boxes = _flush_boxes(room, detected, reach_m)
+    placed = [(item, box) for (item, _), box in zip(detected, boxes, strict=True)]
     placed.sort(key=lambda pair: reading_order(pair[0].detection.category, pair[1]))
     counts: dict[str, int] = defaultdict(int)
     items = []
-    for one, box in placed:
-        name = one.detection.category
-        items.append(_item(f"{room.id}/{name}_{counts[name]}", one, box, room.id))
+    for item, box in placed:
+        name = item.detection.category
+        items.append(_item(f"{room.id}/{name}_{counts[name]}", item, box, room.id))
         counts[name] += 1
     return items
 
 
-def _flush_boxes(room: Room, found: Sequence[tuple[FoundItem, Box]], reach_m: float) -> list[Box]:
+def _flush_boxes(
+    room: Room, detected: Sequence[tuple[FoundItem, Box]], reach_m: float
+) -> list[Box]:
     """The boxes of a room, square to its walls; edges that lie within reach_m of a wall or of each
     other are on it."""
-    on_wall = [category(one.detection.category).mount is Mount.WALL for one, _ in found]
+    on_wall = [category(item.detection.category).mount is Mount.WALL for item, _ in detected]
     footprints = [
-        align(Footprint.of(box), room.polygon_m, _align_within_deg(one.detection.category))
-        for one, box in found
+        align(Footprint.of(box), room.polygon_m, _align_within_deg(item.detection.category))
+        for item, box in detected
     ]
     for index, footprint in enumerate(footprints):
         others = footprints[:index] + footprints[index + 1 :]
         flush = flush_with_walls(footprint, room.polygon_m, reach_m, others)
         footprints[index] = kept_deep(footprint, flush) if on_wall[index] else flush
     apart = parted(footprints, reach_m, share=0.0)
-    return [footprint.on(box) for footprint, (_, box) in zip(apart, found, strict=True)]
+    return [footprint.on(box) for footprint, (_, box) in zip(apart, detected, strict=True)]
 
 
 def _align_within_deg(name: str) -> float:
@@ -232,15 +234,15 @@ def reading_order(name: str, box: Box) -> tuple[int, float, float]:
     return category(name).detector_class, round(x, 3), round(y, 3)
 
 
-def _item(item_id: str, one: FoundItem, box: Box, room_id: str) -> Item:
-    corners = np.round(one.detection.corners_px, 2).tolist()
+def _item(item_id: str, item: FoundItem, box: Box, room_id: str) -> Item:
+    corners = np.round(item.detection.corners_px, 2).tolist()
     facts = Facts(
         source_px=tuple((x, y) for x, y in corners),
-        front_from="mark" if one.front_seen else "wall",
-        detected=one.in_detector,
+        front_from="mark" if item.front_seen else "wall",
+        detected=item.in_detector,
     )
-    score = round(one.detection.score, 4)
-    return Item(item_id, one.detection.category, box, room_id, score=score, facts=facts)
+    score = round(item.detection.score, 4)
+    return Item(item_id, item.detection.category, box, room_id, score=score, facts=facts)
 
 
 # How a mesh fills the box that it was found for: stretched a little, never out of ----------------
@@ -263,7 +265,7 @@ def is_built_in(row: Category) -> bool:
 def fitted_box(box: Box, asset: Asset, row: Category, *, is_guess: bool) -> Box:
     """The part of box that the mesh fills, against the back of the box and in the middle of it.
 
-    Length and width never exceed those of the box, so that nothing collides that did not before;
+    Length and width never exceed the box's, so that no new collision appears;
     where the mesh has other proportions, it fills less of the longer side. Panels on walls have no
     proportions to keep, and kitchens no gaps: they fill their box. is_guess: the height is the
     category's usual one, which no picture shows; the mesh brings its own. Dressing keeps its own

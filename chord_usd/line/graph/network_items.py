@@ -36,7 +36,7 @@ _LEVELS, _MOST_DARKER = 160.0, 60.0
 wall itself, that bleeds into the piece."""
 
 _LEAST_MARK, _LONG_WORD = 0.05, 0.3
-"""Marks that tell less tell nothing; what a long front is worth then, beside a wall behind."""
+"""Least mark that counts; weight of a long front, without a mark, beside a wall behind."""
 
 
 def find_foreign_items(
@@ -53,9 +53,16 @@ def find_foreign_items(
     grey = rgb.mean(axis=2)
     rows = {row.name: row for row in HOUSE_CATEGORIES}
     order = {name: at for at, name in enumerate(rows)}
-    sure = [one for one in proposals if one.score >= SURE_SCORE and one.category in rows]
-    sure.sort(key=lambda one: order[one.category])
-    return [_item(one, pixels, grey, m_per_px, directions, rows[one.category]) for one in sure]
+    sure = [
+        proposal
+        for proposal in proposals
+        if proposal.score >= SURE_SCORE and proposal.category in rows
+    ]
+    sure.sort(key=lambda proposal: order[proposal.category])
+    return [
+        _item(proposal, pixels, grey, m_per_px, directions, rows[proposal.category])
+        for proposal in sure
+    ]
 
 
 def _item(
@@ -88,7 +95,7 @@ def _aligned(rect: OrientedRect, directions: Directions) -> OrientedRect:
 def _front(
     rect: OrientedRect, pixels: LayoutPixels, grey: FloatArray, row: Category
 ) -> tuple[int, bool]:
-    """Quarter turns of a piece, and whether a mark told them."""
+    """Quarter turns of a piece, and whether a mark shows them."""
     darker = np.array([_darker(rect, turns, grey) for turns in range(4)])
     marks = np.clip(darker, -_MOST_DARKER, _MOST_DARKER) / _LEVELS
     if row.mount is Mount.WALL:

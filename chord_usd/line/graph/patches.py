@@ -43,13 +43,13 @@ _PIECE_COST, _PIECE_SHARE = 1.0, 0.15
 simplest explanation wins, and torn edges are no reason for more pieces."""
 _DOUBLE_SHARE = 0.6
 """A piece that lies so far within another is the same one, read twice."""
-_ODD_SIZE_COST = 4.0
+_UNUSUAL_SIZE_COST = 4.0
 """Cost of a piece shorter or longer, or narrower or wider, than pieces of its category are."""
-_ODD_SHARE = (0.65, 1.3)
+_UNUSUAL_SHARE = (0.65, 1.3)
 """Tolerance of the usual range of sizes; a pixel more at either end."""
 
-_ODD_AGREEMENT = 0.2
-"""What an odd side costs a piece among those that one mark may belong to."""
+_UNUSUAL_AGREEMENT = 0.2
+"""Cost of a side of unusual length, to a piece that a mark may belong to."""
 
 _GOOD_SHARE = 0.02
 """An explanation that errs on a smaller share of the pixels needs no rival."""
@@ -88,7 +88,7 @@ class UsualSize:
         """Square pixels of the smallest usual piece."""
         return self.length[0] * self.width[0]
 
-    def odd_sides(self, piece: Piece) -> int:
+    def unusual_sides(self, piece: Piece) -> int:
         """How many of the piece's two sides are out of range."""
         sides = piece.rectangle.u1 - piece.rectangle.u0, piece.rectangle.v1 - piece.rectangle.v0
         if piece.quarter_turns is None:
@@ -97,7 +97,7 @@ class UsualSize:
             sides = sides[::-1]
         ranges = (self.length, self.width)
         return sum(
-            not _ODD_SHARE[0] * low - 1.0 <= side <= _ODD_SHARE[1] * high + 1.0
+            not _UNUSUAL_SHARE[0] * low - 1.0 <= side <= _UNUSUAL_SHARE[1] * high + 1.0
             for side, (low, high) in zip(sides, ranges, strict=True)
         )
 
@@ -156,7 +156,7 @@ def explain(
         angles = _patch_angles(patch, directions, best[0].rectangle)
         rivals += [_split_by_marks(patch, blobs, angle) for angle in angles]
     if len(proposals) > 1 and not blobs:
-        # Marks tell pieces apart better than proposals do, which tear at ragged edges.
+        # Marks part pieces better than proposals do, which tear at ragged edges.
         rivals.append(_split_by_proposals(patch, proposals, best[0].rectangle.angle_deg))
     rivals += [_refit(patch, rival) for rival in rivals if rival]
     for rival in rivals:
@@ -168,8 +168,8 @@ def explain(
 
 def _cost(patch: Patch, pieces: Sequence[Piece]) -> float:
     """Drawing cost plus what makes an explanation unlikely by itself."""
-    odd = sum(patch.usual_px.odd_sides(piece) for piece in pieces)
-    return drawing_cost(patch, pieces) + _ODD_SIZE_COST * odd
+    unusual = sum(patch.usual_px.unusual_sides(piece) for piece in pieces)
+    return drawing_cost(patch, pieces) + _UNUSUAL_SIZE_COST * unusual
 
 
 def drawing_cost(patch: Patch, pieces: Sequence[Piece]) -> float:
@@ -277,15 +277,15 @@ def _mark_blobs(patch: Patch) -> list[BoolArray]:
 
 def _split_by_marks(patch: Patch, blobs: Sequence[BoolArray], angle_deg: float) -> list[Piece]:
     """One piece per mark, all in one direction (modulo quarter turns)."""
-    found = []
+    fits = []
     for blob in blobs:
         mark = _mark_rectangle(patch, blob, angle_deg)
         guesses = [_from_mark(patch, mark, quarter_turns) for quarter_turns in range(4)]
         agreement, piece = max(guesses, key=lambda guess: guess[0])
-        found.append((agreement, piece, mark))
-    found.sort(key=lambda one: -one[0])
+        fits.append((agreement, piece, mark))
+    fits.sort(key=lambda fit: -fit[0])
     kept: list[tuple[Piece, OrientedRect]] = []
-    for _, piece, mark in found:
+    for _, piece, mark in fits:
         # A doubled mark gives the same piece twice.
         if is_another(piece, [other for other, _ in kept]):
             kept.append((piece, mark))
@@ -299,13 +299,13 @@ def is_another(piece: Piece, others: Iterable[Piece]) -> bool:
 
 
 def _refit(patch: Patch, pieces: Sequence[Piece]) -> list[Piece]:
-    """Each piece fitted anew to the pixels that are nearer to it than to the others."""
-    found = []
+    """Fits each piece again, to the pixels that are nearer to it than to the others."""
+    refitted = []
     owner = _owners(patch, [piece.rectangle for piece in pieces])
     for index, piece in enumerate(pieces):
         rectangle = _fit_own(patch, owner == index, piece.rectangle.angle_deg)
-        found.append(Piece(rectangle, piece.quarter_turns) if rectangle else piece)
-    return found
+        refitted.append(Piece(rectangle, piece.quarter_turns) if rectangle else piece)
+    return refitted
 
 
 def _mark_rectangle(patch: Patch, blob: BoolArray, angle_deg: float) -> OrientedRect:
@@ -359,14 +359,14 @@ def _run_depth(into: FloatArray, mark_depth: float) -> float:
 
 
 def _agreement(patch: Patch, piece: Piece) -> float:
-    """Share of the pixels in a piece that are as it would be drawn, less for an odd size."""
+    """Share of a piece's pixels that are as it would be drawn, less for an unusual size."""
     assert piece.quarter_turns is not None
     inside = piece.rectangle.covers(patch.evidence.members)
     spilt = piece.rectangle.covers(patch.evidence.outsiders).sum()
     expected = front_mark(piece.rectangle, piece.quarter_turns).covers(patch.evidence.members)
     right = (expected == patch.marked)[inside].sum()
-    odd = _ODD_AGREEMENT * patch.usual_px.odd_sides(piece)
-    return float(right / max(inside.sum() + spilt, 1)) - odd
+    penalty = _UNUSUAL_AGREEMENT * patch.usual_px.unusual_sides(piece)
+    return float(right / max(inside.sum() + spilt, 1)) - penalty
 
 
 def _split_by_proposals(
@@ -376,10 +376,10 @@ def _split_by_proposals(
     owner = _owners(patch, proposals)
     pieces = []
     for index in range(len(proposals)):
-        own = owner == index
-        rectangle = _fit_own(patch, own, angle_deg)
+        nearest = owner == index
+        rectangle = _fit_own(patch, nearest, angle_deg)
         if rectangle:
-            marked = patch.evidence.members[own & patch.marked]
+            marked = patch.evidence.members[nearest & patch.marked]
             pieces.append(Piece(rectangle, _front_of(rectangle, marked)))
     return pieces
 
@@ -394,11 +394,11 @@ def _owners(patch: Patch, rectangles: Sequence[OrientedRect]) -> npt.NDArray[np.
     return np.argmax(depths, axis=0)
 
 
-def _fit_own(patch: Patch, own: BoolArray, angle_deg: float) -> OrientedRect | None:
+def _fit_own(patch: Patch, nearest: BoolArray, angle_deg: float) -> OrientedRect | None:
     """The rectangle of some members against all other pixels around."""
-    if own.sum() < 2:
+    if nearest.sum() < 2:
         return None
     members = patch.evidence.members
-    rest = np.concatenate([members[~own], patch.evidence.outsiders])
-    weights = np.concatenate([np.ones(int((~own).sum())), patch.evidence.weights])
-    return fit_at_angle(Evidence(members[own], rest, weights), angle_deg)
+    rest = np.concatenate([members[~nearest], patch.evidence.outsiders])
+    weights = np.concatenate([np.ones(int((~nearest).sum())), patch.evidence.weights])
+    return fit_at_angle(Evidence(members[nearest], rest, weights), angle_deg)

@@ -157,7 +157,7 @@ class Piece:
 
     rectangle: OrientedRect
     quarter_turns: int | None
-    """Yaw is rectangle.angle_deg plus these; None where no front mark tells."""
+    """Yaw is rectangle.angle_deg plus these; None without a front mark."""
 
 
 def settle_edges(
@@ -252,10 +252,10 @@ def _common_edges(pieces: Sequence[Piece]) -> list[tuple[int, int]]:
 
 
 def _touch(first: OrientedRect, second: OrientedRect, axis: int) -> bool:
-    one, other = _spans(first), _spans(second)
-    gap = other[axis][0] - one[axis][1]
-    common = min(one[1 - axis][1], other[1 - axis][1]) - max(one[1 - axis][0], other[1 - axis][0])
-    least = min(one[1 - axis][1] - one[1 - axis][0], other[1 - axis][1] - other[1 - axis][0])
+    a, b = _spans(first), _spans(second)
+    gap = b[axis][0] - a[axis][1]
+    common = min(a[1 - axis][1], b[1 - axis][1]) - max(a[1 - axis][0], b[1 - axis][0])
+    least = min(a[1 - axis][1] - a[1 - axis][0], b[1 - axis][1] - b[1 - axis][0])
     return abs(gap) < _TOUCH_PX and common > 0.5 * least
 
 

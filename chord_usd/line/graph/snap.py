@@ -77,8 +77,8 @@ def decode_items(layout: LayoutImage) -> list[Detection]:
 
     Exact on clean rasters: edges within half a pixel of what was drawn.
     """
-    found = find_items(read_pixels(layout.rgb), layout.frame.m_per_px)
-    return [item.detection for item in found]
+    items = find_items(read_pixels(layout.rgb), layout.frame.m_per_px)
+    return [item.detection for item in items]
 
 
 def find_items(
@@ -90,20 +90,20 @@ def find_items(
 ) -> list[FoundItem]:
     """Items in decoded pixels, helped by the detector's proposals.
 
-    directions: of the walls; read from the pixels where not given. categories: those of the level
-    that the pixels' item labels are of. Ordered by category, then by position, so that equal
+    directions: of the walls; read from the pixels where not given. categories: of the level of the
+    pixels' item labels. Ordered by category, then by position, so that equal
     rasters give equal lists.
     """
     directions = directions or raster_directions(pixels.structure)
     by_category: dict[str, list[Detection]] = {}
     for proposal in proposals:
         by_category.setdefault(proposal.category, []).append(proposal)
-    found: list[FoundItem] = []
+    items: list[FoundItem] = []
     for row, window in zip(categories, _windows(pixels.item), strict=False):
         if window:
             seen = by_category.get(row.name, [])
-            found += _of_category(pixels, row, window, m_per_px, directions, seen)
-    return found
+            items += _of_category(pixels, row, window, m_per_px, directions, seen)
+    return items
 
 
 def _windows(item: LabelArray) -> Iterator[Window | None]:
@@ -131,7 +131,7 @@ def _of_category(
     thin = usual_px.width[0] < _THIN_PX
     near = pixels.window(window)
     origin = window[0].start, window[1].start
-    found: list[FoundItem] = []
+    items: list[FoundItem] = []
     for mask in _patches(near, row.detector_class, thin):
         patch = cut_patch(mask, near.front, near.item != NO_ITEM, usual_px, origin)
         inside = [
@@ -142,10 +142,10 @@ def _of_category(
         if patch.size < _least_size_px(usual_px, bool(inside)):
             continue
         for piece, cost in _explained(patch, directions, inside):
-            one = _found_item(pixels, row, m_per_px, patch, piece, cost, seen)
-            if one.in_detector or _is_plausible(piece, cost, usual_px):
-                found.append(one)
-    return found
+            item = _found_item(pixels, row, m_per_px, patch, piece, cost, seen)
+            if item.in_detector or _is_plausible(piece, cost, usual_px):
+                items.append(item)
+    return items
 
 
 def _patches(pixels: LayoutPixels, label: int, thin: bool) -> Iterable[BoolArray]:
@@ -207,7 +207,7 @@ def _explained(
         )
         # Torn pixels may be left over by every piece that explains them, and ask for it for ever.
         again = _explained(left, directions, ())
-        result += [one for one in again if is_another(one[0], pieces)]
+        result += [entry for entry in again if is_another(entry[0], pieces)]
     return result
 
 
@@ -306,8 +306,10 @@ def _overlap(piece: OrientedRect, proposal: OrientedRect) -> float:
     """Intersection over union; of panels, both as deep as the network is taught them."""
     if max(piece.u1 - piece.u0, piece.v1 - piece.v0) >= LEAST_SIDE_PX:
         piece, proposal = (
-            _resized(one, max(one.u1 - one.u0, LEAST_SIDE_PX), max(one.v1 - one.v0, LEAST_SIDE_PX))
-            for one in (piece, proposal)
+            _resized(
+                rect, max(rect.u1 - rect.u0, LEAST_SIDE_PX), max(rect.v1 - rect.v0, LEAST_SIDE_PX)
+            )
+            for rect in (piece, proposal)
         )
     both = piece.covered_by(proposal) * piece.area
     return both / max(piece.area + proposal.area - both, 1e-9)
@@ -316,10 +318,10 @@ def _overlap(piece: OrientedRect, proposal: OrientedRect) -> float:
 # Which way a piece faces: by its front mark; where that is torn, by the wall behind it, ----------
 
 LEAST_MARK_FIT = 0.2
-"""A mark that lies on its place worse than this (intersection over union) tells nothing."""
+"""A mark that fits its place worse than this (intersection over union) does not count."""
 
-_WALL_WORD, _SPLIT_WORD, _ODD_WORD, _LONG_WORD = 0.3, 0.2, 0.25, 0.3
-"""What a wall behind, the splitting of a patch, an odd size and a long front are worth beside a
+_WALL_WORD, _SPLIT_WORD, _UNUSUAL_WORD, _LONG_WORD = 0.3, 0.2, 0.25, 0.3
+"""Weights of a wall behind, the splitting of a patch, an unusual size and a long front, beside a
 mark's fit. A clean mark fits by 0.6 or more better than at any other side, so it always wins."""
 
 _SAME_MARK = 0.7
@@ -333,7 +335,7 @@ _DOOR = next(row.detector_class for row in PLAN_CATEGORIES if row.name == "door"
 def facing(
     pixels: LayoutPixels, piece: Piece, marked: FloatArray, mount: Mount, usual_px: UsualSize
 ) -> tuple[int, bool]:
-    """Quarter turns of a piece, and whether its mark told them.
+    """Quarter turns of a piece, and whether its mark shows them.
 
     marked: (N, 2) upright points of the patch that are of a front mark.
     """
@@ -348,14 +350,14 @@ def facing(
     opposite = (turns + 2) % 4
     thin = front_mark(rectangle, opposite).covered_by(front_mark(rectangle, turns)) > _SAME_MARK
     if thin or mount is Mount.WALL:
-        # The mark of a piece a pixel or two thick does not tell its front from its back.
+        # The mark of a piece a pixel or two thick does not part its front from its back.
         choices = (turns, opposite)
         return choices[int(np.argmax(walls_behind(pixels, rectangle, choices)))], True
     word = fits + _WALL_WORD * walls_behind(pixels, rectangle, range(4))
     if piece.quarter_turns is not None:
         word[piece.quarter_turns] += _SPLIT_WORD
-    odd = [usual_px.odd_sides(Piece(rectangle, choice)) for choice in range(4)]
-    return int(np.argmax(word - _ODD_WORD * np.array(odd))), True
+    unusual = [usual_px.unusual_sides(Piece(rectangle, choice)) for choice in range(4)]
+    return int(np.argmax(word - _UNUSUAL_WORD * np.array(unusual))), True
 
 
 def long_fronts(rectangle: OrientedRect) -> FloatArray:

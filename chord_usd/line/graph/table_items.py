@@ -83,14 +83,14 @@ class TopPainter:
 def things_seen(layout: LayoutImage, category: str) -> list[Item]:
     """The items of a raster in the frame of the piece, in no room and without meshes."""
     things = []
-    for index, one in enumerate(read_items(layout, category)):
-        box = box_of(one.detection, layout.frame)
+    for index, item in enumerate(read_items(layout, category)):
+        box = box_of(item.detection, layout.frame)
         nearest = round(box.yaw_deg / 90.0) * 90.0
         if abs(box.yaw_deg - nearest) < STRAIGHT_DEG:
             box = replace(box, yaw_deg=nearest)
-        name = one.detection.category
-        facts = Facts(front_from="mark" if one.front_seen else "guess")
-        score = round(one.detection.score, 4)
+        name = item.detection.category
+        facts = Facts(front_from="mark" if item.front_seen else "guess")
+        score = round(item.detection.score, 4)
         things.append(Item(f"{name}_{index}", name, box, score=score, facts=facts))
     return things
 
@@ -104,11 +104,11 @@ def read_items(layout: LayoutImage, category: str) -> list[FoundItem]:
         pixels.structure, pixels.shade, np.where(underfoot, NO_ITEM, pixels.item).astype(np.int16),
         pixels.front & ~underfoot,
     )  # fmt: skip
-    found = find_items(standing, m_per_px, _STRAIGHT, categories=TABLE_CATEGORIES)
+    items = find_items(standing, m_per_px, _STRAIGHT, categories=TABLE_CATEGORIES)
     if underfoot.any():
         whole = _uncovered(pixels, underfoot)
-        found += find_items(whole, m_per_px, _STRAIGHT, categories=TABLE_CATEGORIES)
-    return found
+        items += find_items(whole, m_per_px, _STRAIGHT, categories=TABLE_CATEGORIES)
+    return items
 
 
 def read_table_pixels(rgb: ByteArray, category: str) -> LayoutPixels:

@@ -70,7 +70,7 @@ def place_on(
     the piece. around: boxes of the room that things on it could run into. Raises AssetError where
     the database has nothing of a category.
     """
-    seen = [_matched(table, one, relief.level_m, database) for one in things]
+    seen = [_matched(table, item, relief.level_m, database) for item in things]
     standing: list[Item] = []
     for item in sorted(seen, key=_order):
         moved = _back_over_edge(item, relief)
@@ -200,8 +200,8 @@ def _top_of(carrier: Item, box: Box, reliefs: Reliefs) -> float:
         return carrier.box.top_m
     relief = reliefs(carrier.asset).scaled(carrier.box.size_m)
     x, y = to_own(carrier.box, box.center_m[:2])
-    own = Box((float(x), float(y), 0.0), box.size_m, box.yaw_deg - carrier.box.yaw_deg)
-    return carrier.box.center_m[2] + relief.highest_m(own)
+    local = Box((float(x), float(y), 0.0), box.size_m, box.yaw_deg - carrier.box.yaw_deg)
+    return carrier.box.center_m[2] + relief.highest_m(local)
 
 
 def _runs_into(box: Box, table: Box, around: Sequence[Box]) -> bool:
@@ -222,7 +222,7 @@ def _named(table: Item, items: Sequence[Item]) -> tuple[Item, ...]:
     """Ids table/category_n, counted by category and position, as in rooms."""
     counts: dict[str, int] = defaultdict(int)
     named = []
-    for item in sorted(items, key=lambda one: reading_order(one.category, one.box)):
+    for item in sorted(items, key=lambda item: reading_order(item.category, item.box)):
         named.append(replace(item, id=f"{table.id}/{item.category}_{counts[item.category]}"))
         counts[item.category] += 1
     return tuple(named)

@@ -112,19 +112,19 @@ def table_views(graph: SceneGraph, reliefs: Reliefs, rooms: Collection[str] = ()
         if not carries or item.asset is None or item.children or item.room_id not in chosen:
             continue
         relief = reliefs(item.asset).scaled(item.box.size_m)
-        others = tuple(one for one in graph.items_of(item.room_id) if one.id != item.id)
+        others = tuple(other for other in graph.items_of(item.room_id) if other.id != item.id)
         top = view_from_above(item, others, graph.plan.room(item.room_id), relief)
-        around = [one.box for one in others if _can_be_hit(one, item)]
+        around = [other.box for other in others if _can_be_hit(other, item)]
         views.append(View(item, top, relief, (*around, *trim.get(item.room_id, ()))))
     return views
 
 
 def _boards(graph: SceneGraph) -> dict[str, list[Box]]:
     """Window boards, by id of the room that they stand out into."""
-    found: dict[str, list[Box]] = {}
+    by_room: dict[str, list[Box]] = {}
     for opening, room in sides_of(graph.openings, graph.rooms):
-        found.setdefault(room.id, []).extend(boards(opening, room))
-    return found
+        by_room.setdefault(room.id, []).extend(boards(opening, room))
+    return by_room
 
 
 def _can_be_hit(other: Item, piece: Item) -> bool:
@@ -239,13 +239,13 @@ def _neighbour(item: Item, other: Item) -> list[Border]:
     reach_m = SEATS[other.category] if is_seat else BED_REACH_M
     if footprint_polygon(item.box).distance(footprint_polygon(other.box)) > reach_m:
         return []
-    own = to_own(item.box, footprint(other.box))
-    side = _side_of(own, item.box)
+    local = to_own(item.box, footprint(other.box))
+    side = _side_of(local, item.box)
     axis, _ = _axis(side)
     if is_seat and not _faces(item.box, other.box):
         return []
     half = item.box.size_m[1 - axis] / 2
-    low, high = own[:, 1 - axis].min(), own[:, 1 - axis].max()
+    low, high = local[:, 1 - axis].min(), local[:, 1 - axis].max()
     if is_bed or high - low > 2 * _LEAST_SEAT_M:
         low, high = max(float(low), -half), min(float(high), half)
         return [Border(side, "bed" if is_bed else "seat", low, high)] if low < high else []

@@ -20,8 +20,8 @@ def read_exr(path: Path) -> tuple[Channels, dict[str, object]]:
 
     try:
         file = OpenEXR.File(str(path), separate_channels=True)
-        found = file.channels()
-        channels = {name: np.asarray(found[name].pixels, dtype=np.float32) for name in found}
+        planes = file.channels()
+        channels = {name: np.asarray(planes[name].pixels, dtype=np.float32) for name in planes}
         return channels, file.header()
     except Exception as error:  # the library raises plain RuntimeErrors, ValueErrors, TypeErrors
         raise OSError(f"{path}: cannot be read as OpenEXR ({error})") from error

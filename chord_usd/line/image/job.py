@@ -43,7 +43,7 @@ class Quality:
     costs more than it gives; but without it the noise follows the order that Cycles has lamps in,
     which is another one in every run."""
     own_lamps: bool = True
-    """In a room, let only the lamps shine whose light can come in: those of rooms that a passage or
+    """In a room, let only the lamps shine whose light can come in: lamps of rooms that a passage or
     glass joins to it."""
     sample_glow: bool = False
     """In houses, send shadow rays to screens, too. Few arrive."""

@@ -40,8 +40,8 @@ def joined_rooms(path: Path) -> tuple[tuple[str, str], ...]:
     names = {_node_id(room): room.GetName() for room in rooms}
     storeys: dict[str, dict[str, Polygon]] = {}
     for room in rooms:
-        own = storeys.setdefault(room.GetParent().GetName(), {})
-        own[room.GetName()] = _floor_m(room)
+        storey = storeys.setdefault(room.GetParent().GetName(), {})
+        storey[room.GetName()] = _floor_m(room)
     pairs = {pair for room in rooms for pair in _pairs(room, names)}
     beside = {pair for floors in storeys.values() for pair in touching(floors)}
     return tuple(sorted(pairs | beside))
@@ -50,9 +50,9 @@ def joined_rooms(path: Path) -> tuple[tuple[str, str], ...]:
 def touching(floors_m: Mapping[str, Polygon]) -> Iterator[tuple[str, str]]:
     """Pairs of names, in order, of floors along whose edges no wall stands."""
     names = sorted(floors_m)
-    for one, other, seam in seams([floors_m[name] for name in names], _SLIT_M):
+    for first, second, seam in seams([floors_m[name] for name in names], _SLIT_M):
         if seam.length > _LEAST_M:
-            yield names[one], names[other]
+            yield names[first], names[second]
 
 
 def lit_with(room: str, joined: Iterable[tuple[str, str]]) -> set[str]:

@@ -34,7 +34,7 @@ _OTHER_TAXONOMIES = ("room", "material", "wikidata_qcode")
 
 @dataclass(frozen=True)
 class Thing:
-    """One thing a mask tells from the others. The world is Z up, in metres."""
+    """One object of a mask. The world is Z up, in metres."""
 
     number: int
     """From 1; the value of its pixels in an instance mask."""

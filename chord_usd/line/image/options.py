@@ -54,7 +54,7 @@ class RenderOptions:
     """Width and height."""
     quality: Quality = QUALITIES["good"]
     samples: int | None = None
-    """Paths traced through each pixel, at most; None for those of the quality."""
+    """Paths traced through each pixel, at most; None for the number of the quality."""
     denoiser: str = DENOISERS[0]
     """One of job.DENOISERS, or none."""
     seed: int = 0

@@ -42,12 +42,12 @@ def lit_stage(path: Path, lighting: str, sky: str = "", roof: str = "") -> Itera
     if wanted is not None:
         require_picture(wanted)
     lighting = lighting or (wanted.time if wanted else "")
-    chosen = {name: one for name, one in ((LIGHTING, lighting), (ROOF, roof)) if one}
+    chosen = {name: variant for name, variant in ((LIGHTING, lighting), (ROOF, roof)) if variant}
     house = _check(path, chosen)
     with layer_over(path) as (layer, file):
         prim = Sdf.PrimSpec(layer, house, Sdf.SpecifierOver)
-        for name, one in chosen.items():
-            prim.variantSelections[name] = one
+        for name, variant in chosen.items():
+            prim.variantSelections[name] = variant
         if wanted is not None:
             _hang_sky(prim, wanted, _sun_yaw_deg(path), file.parent)
         layer.Save()
@@ -55,7 +55,7 @@ def lit_stage(path: Path, lighting: str, sky: str = "", roof: str = "") -> Itera
 
 
 def _sun_yaw_deg(path: Path) -> float:
-    """Where the stage has its sun. Raises RenderError for one that is no house of ours."""
+    """Direction of the stage's sun. Raises RenderError for a stage that chord-usd did not write."""
     stage = open_stage(path, load=False)
     place = stage.GetDefaultPrim().GetPath().AppendPath("Lighting.chord:sun_yaw_deg")
     noted = stage.GetAttributeAtPath(place)
@@ -126,14 +126,14 @@ def _check(path: Path, chosen: Mapping[str, str]) -> str:
     """Name of the prim with the variant sets."""
     stage = open_stage(path, load=False)
     house = stage.GetDefaultPrim()
-    for name, one in chosen.items():
+    for name, variant in chosen.items():
         choices = house.GetVariantSet(name).GetVariantNames() if house else []
-        if one not in choices:
+        if variant not in choices:
             some = f"one of {', '.join(choices)}" if choices else ""
             raise RenderError(
-                f"has no {name} '{one}'",
+                f"has no {name} '{variant}'",
                 where=str(path),
                 expected=some or "a stage with such variants",
-                try_=f"generate PLAN --roof {one}" if name == ROOF and not choices else "",
+                try_=f"generate PLAN --roof {variant}" if name == ROOF and not choices else "",
             )
     return str(house.GetName())

@@ -96,9 +96,13 @@ def draw_storeys(
 def storeys_rgb(graphs: Sequence[SceneGraph], marks: Sequence[Sequence[Mark]] = ()) -> np.ndarray:
     """The picture that draw_storeys writes: (H, W, 3) uint8."""
     marked = marks or [()] * len(graphs)
-    pictures = [preview_rgb(graph, own) for graph, own in zip(graphs, marked, strict=True)]
+    pictures = [
+        preview_rgb(graph, graph_marks) for graph, graph_marks in zip(graphs, marked, strict=True)
+    ]
     height = max(picture.shape[0] for picture in pictures)
-    sheet = np.full((height, sum(one.shape[1] for one in pictures), 3), PAPER, dtype=np.uint8)
+    sheet = np.full(
+        (height, sum(picture.shape[1] for picture in pictures), 3), PAPER, dtype=np.uint8
+    )
     left = 0
     for picture in pictures:
         sheet[: picture.shape[0], left : left + picture.shape[1]] = picture
@@ -111,11 +115,11 @@ def preview_rgb(graph: SceneGraph, marks: Sequence[Mark] = ()) -> np.ndarray:
     column of marks."""
     sheet = Sheet.around(graph)
     _draw_shell(sheet, graph)
-    drawn = [(one, _draw_dressing) for one in graph.dressing]
-    drawn += [(one, _draw_item) for one in graph.items]
+    drawn = [(item, _draw_dressing) for item in graph.dressing]
+    drawn += [(item, _draw_item) for item in graph.items]
     # Of what is equally high the dressing comes first: rugs lie under furniture.
-    for one, draw_one in sorted(drawn, key=lambda pair: pair[0].box.center_m[2]):
-        draw_one(sheet, one)
+    for item, paint in sorted(drawn, key=lambda pair: pair[0].box.center_m[2]):
+        paint(sheet, item)
     picture = sheet.finished()
     draw = ImageDraw.Draw(picture)
     _label_items(sheet, draw, graph.items)

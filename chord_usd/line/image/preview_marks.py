@@ -44,7 +44,7 @@ def with_marks(picture: np.ndarray, frame: PixelFrame, marks: Sequence[Mark]) ->
     if not marks:
         return picture
     lines = [textwrap.wrap(mark.text, _LETTERS) for mark in marks]
-    height = max(picture.shape[0], 2 * _SIDE_PX + _LINE_PX * sum(len(one) + 1 for one in lines))
+    height = max(picture.shape[0], 2 * _SIDE_PX + _LINE_PX * sum(len(text) + 1 for text in lines))
     sheet = Image.new("RGB", (picture.shape[1] + COLUMN_PX, height), (255, 255, 255))
     sheet.paste(Image.fromarray(picture), (0, 0))
     draw = ImageDraw.Draw(sheet)

@@ -1,4 +1,4 @@
-"""The files that become of a take, and whether those of an earlier run are whole."""
+"""The files of a take, and whether the files of an earlier run are whole."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ BACKDROP_RGB = (240, 241, 243)
 
 def product_files(folder: Path, camera: str, passes: Sequence[str]) -> list[Path]:
     """The files a camera's passes end in, in their order."""
-    names = [name for one in PASSES if one in passes for name in FILES_OF_PASS[one]]
+    names = [name for kind in PASSES if kind in passes for name in FILES_OF_PASS[kind]]
     return [folder / name.format(camera) for name in names]
 
 
@@ -98,7 +98,7 @@ def _is_product(camera: str, path: Path) -> bool:
 
 
 def _listed_files(folder: Path, camera: str) -> dict[str, str]:
-    """Hashes of a camera's files, by its sidecar; none where there is no sidecar of ours."""
+    """Hashes of a camera's files, by its sidecar; none without a sidecar that chord-usd wrote."""
     try:
         sidecar = json.loads(sidecar_file(folder, camera).read_text())
         files: dict[str, str] = sidecar["files"] if sidecar["made"] else {}
@@ -178,7 +178,7 @@ def _on_paper(take: Take, labels: Sequence[RoomLabel]) -> bytes:
 
 
 def _write_layers(take: Take, placed: dict[str, Path], notes: dict[str, str]) -> None:
-    """Blender's own layers, without its notes of the hour, with what tells Cryptomatte's names."""
+    """Blender's own layers, without its notes of the hour, with Cryptomatte's names."""
     path = placed.get(FILES_OF_PASS["layers"][0].format(take.view.name))
     if path is None:
         return
@@ -225,13 +225,13 @@ def _sidecar(
     take: Take, passes: Sequence[str], things: Sequence[Thing], made: dict[str, Any]
 ) -> dict[str, Any]:
     size_px = (made["width_px"], made["height_px"])
-    told: dict[str, Any] = {"camera": camera_record(take.view, size_px), "made": made}
+    record: dict[str, Any] = {"camera": camera_record(take.view, size_px), "made": made}
     if take.colour is not None:
-        told["exposure_ev"] = take.exposure_ev
+        record["exposure_ev"] = take.exposure_ev
     if "instance" in passes or "semantic" in passes:
-        told["instances"] = thing_records(_numbers(take), things)
-        told["categories"] = category_ids(thing.label for thing in things)
-    return told
+        record["instances"] = thing_records(_numbers(take), things)
+        record["categories"] = category_ids(thing.label for thing in things)
+    return record
 
 
 def _json(value: dict[str, Any]) -> str:

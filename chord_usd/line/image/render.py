@@ -278,8 +278,8 @@ class _Follower:
             self._run.device = message["device"]
             return
         if "progress" in message:
-            told = message["progress"]
-            self._done[told["camera"]] = told["done"] / told["total"]
+            progress = message["progress"]
+            self._done[progress["camera"]] = progress["done"] / progress["total"]
         if "taken" in message:
             self._keep(message["taken"], message["exposure_ev"])
             self._done[message["taken"]] = 1.0

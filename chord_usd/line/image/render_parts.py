@@ -85,18 +85,18 @@ def merge_parts(folder: Path, view: StageCamera, made: dict[str, Any]) -> Take:
         for block in range(whole.block[1]):
             part = Part((tile, whole.tile[1]), (block, whole.block[1]))
             path = part_file(folder, view.name, part)
-            found = _read_part(path, part)
-            if found.made != made:
+            loaded = _read_part(path, part)
+            if loaded.made != made:
                 raise RenderError(
-                    f"was made with other options ({_differences(found.made, made)})",
+                    f"was made with other options ({_differences(loaded.made, made)})",
                     where=str(path),
                     expected="parts of the picture that is asked for",
-                    try_="the options the parts were rendered with, or render the part anew",
+                    try_="the options the parts were rendered with, or render the part again",
                 )
-            blocks.append(found)
+            blocks.append(loaded)
         bands.append(_average(blocks))
     channels = {name: np.concatenate([band[name] for band in bands]) for name in bands[0]}
-    return _take(view, found.exposure_ev, channels)
+    return _take(view, loaded.exposure_ev, channels)
 
 
 def _division(folder: Path, camera: str) -> Part:
@@ -125,7 +125,7 @@ def _read_part(path: Path, part: Part) -> _Found:
         channels, header = read_exr(path)
         note = json.loads(str(header[_NOTE]))
         whole = note["sha256"] == _digest(channels)
-        found = _Found(part, channels, note["made"], float(note["exposure_ev"]))
+        loaded = _Found(part, channels, note["made"], float(note["exposure_ev"]))
     except (OSError, KeyError, ValueError, TypeError) as error:
         what = "is damaged" if path.exists() else "is missing"
         raise RenderError(
@@ -136,12 +136,12 @@ def _read_part(path: Path, part: Part) -> _Found:
             f"--sample-block {part.block[0]}/{part.block[1]}",
         ) from error
     if not whole:
-        raise RenderError("is damaged", where=str(path), try_="render this part anew")
-    return found
+        raise RenderError("is damaged", where=str(path), try_="render this part again")
+    return loaded
 
 
 def _average(blocks: Sequence[_Found]) -> Channels:
-    """Light is the mean of equal blocks; data are those of the first."""
+    """Light is the mean of equal blocks; data come from the first."""
     light = ("R", "G", "B", "A")
     return {
         name: np.mean([block.channels[name].astype(np.float64) for block in blocks], axis=0).astype(
@@ -189,6 +189,6 @@ def _digest(channels: Channels) -> str:
     return digest.hexdigest()
 
 
-def _differences(found: dict[str, Any], wanted: dict[str, Any]) -> str:
-    keys = [key for key in sorted({*found, *wanted}) if found.get(key) != wanted.get(key)]
-    return ", ".join(f"{key} {found.get(key)}" for key in keys)
+def _differences(actual: dict[str, Any], wanted: dict[str, Any]) -> str:
+    keys = [key for key in sorted({*actual, *wanted}) if actual.get(key) != wanted.get(key)]
+    return ", ".join(f"{key} {actual.get(key)}" for key in keys)

@@ -71,7 +71,7 @@ def write_labels(picture: Image.Image, view: StageCamera, labels: Sequence[RoomL
     px_per_m = picture.width / view.aperture_m
     below = [label for label in labels if label.at_m[2] < view.cut_m]
     floor_m = max((label.at_m[2] for label in below), default=0.0)
-    for label in (one for one in below if one.at_m[2] == floor_m):
+    for label in (label for label in below if label.at_m[2] == floor_m):
         low, high = (picture.width / 2 + (x - middle_m[0]) * px_per_m for x in label.across_m)
         size_px = max(picture.width // _LETTERS_ACROSS, _LEAST_PX)
         while size_px > _LEAST_PX and text_size(label.text, size_px)[0] > high - low:
@@ -83,7 +83,7 @@ def write_labels(picture: Image.Image, view: StageCamera, labels: Sequence[RoomL
 
 
 def _names(rooms: Sequence[Usd.Prim]) -> list[str]:
-    """As plans name them; those of one kind without a name by number, from 1."""
+    """Names as on plans; rooms of one kind without a name get numbers, from 1."""
     named = [
         "" if room.GetDisplayName() in ("", room.GetName()) else room.GetDisplayName()
         for room in rooms

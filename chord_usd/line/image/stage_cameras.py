@@ -84,11 +84,11 @@ def _views(stage: Usd.Stage) -> StageViews:
 
     rooms = [room.GetName() for room in room_prims(stage)]
     prims = list(stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
-    found = [prim for prim in prims if prim.IsA(UsdGeom.Camera)]
+    posed = [prim for prim in prims if prim.IsA(UsdGeom.Camera)]
     top_m = _top_m(stage)
-    names = _distinct_names([prim.GetPath() for prim in found])
+    names = _distinct_names([prim.GetPath() for prim in posed])
     cameras = [
-        _read_camera(prim, name, rooms, top_m) for prim, name in zip(found, names, strict=True)
+        _read_camera(prim, name, rooms, top_m) for prim, name in zip(posed, names, strict=True)
     ]
     return StageViews(
         cameras=tuple(cameras) or _default_cameras(stage),

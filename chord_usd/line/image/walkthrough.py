@@ -178,7 +178,7 @@ def _way(house: _House, distance_m: float) -> FloatArray:
 
 def _stops(house: _House, free: BaseGeometry) -> Iterator[FloatArray]:
     """The most open place of each room, (2,), the largest room first."""
-    for floor in sorted(house.rooms.values(), key=lambda one: -one.area):
+    for floor in sorted(house.rooms.values(), key=lambda floor: -floor.area):
         parts = polygons_of(floor.intersection(free))
         if parts:
             most = polylabel(max(parts, key=lambda part: part.area), tolerance=0.05)

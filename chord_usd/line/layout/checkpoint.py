@@ -83,9 +83,9 @@ def load_checkpoint(folder: Path, device: str = "cpu") -> Checkpoint:
 
     Raises CheckpointError where a file is missing, damaged or of another version.
     """
-    found = read_description(folder)
+    description = read_description(folder)
     try:
-        network = LayoutNetwork(found.config)
+        network = LayoutNetwork(description.config)
     except (TypeError, ValueError, AttributeError, IndexError, RuntimeError) as error:
         raise describes_no_network(error, folder / CONFIG_FILE) from error
     weights = read_weights(folder / WEIGHTS_FILE, REMEDY)
@@ -102,5 +102,9 @@ def load_checkpoint(folder: Path, device: str = "cpu") -> Checkpoint:
         ) from error
     network.eval().requires_grad_(False)
     return Checkpoint(
-        network.to(device), found.config, found.content_hash, found.training, found.walk
+        network.to(device),
+        description.config,
+        description.content_hash,
+        description.training,
+        description.walk,
     )

@@ -42,7 +42,7 @@ class LayoutConfig:
     word_channels: int = 0
     """Length of the vector that stands for a word."""
     programme: int = 0
-    """How many of the words, the first ones, are told to every block at every step as well: what
+    """How many of the words, the first ones, condition every block at every step as well: what
     all of a picture must agree on, like the number of bedrooms, is heard too late from attention
     near the bottleneck alone."""
     blocks_per_level: int = 1
@@ -104,7 +104,7 @@ class LayoutConfig:
 def _alike(value: Any, usual: Any) -> bool:
     """Whether a value is of the type of another, tuples member by member."""
     if isinstance(usual, tuple):
-        return isinstance(value, tuple) and all(_alike(one, usual[0]) for one in value)
+        return isinstance(value, tuple) and all(_alike(member, usual[0]) for member in value)
     if isinstance(usual, float):
         return type(value) in (int, float)
     return type(value) is type(usual)

@@ -76,7 +76,7 @@ def _read_values(folder: Path) -> dict[str, Any]:
         )
     try:
         values = json.loads(path.read_text(encoding="utf-8"))
-        found = values["format"]
+        version = values["format"]
         values["network"]
     except (ValueError, KeyError, TypeError, OSError, RecursionError) as error:
         raise CheckpointError(
@@ -85,9 +85,9 @@ def _read_values(folder: Path) -> dict[str, Any]:
             expected="JSON with format, network and training",
             try_="copy the checkpoint again",
         ) from error
-    if found != FORMAT:
+    if version != FORMAT:
         raise CheckpointError(
-            f"checkpoint format {found}",
+            f"checkpoint format {version}",
             where=str(path),
             expected=f"format {FORMAT}",
             try_="the chord-usd version that wrote it",

@@ -76,7 +76,7 @@ def in_batches(
 ) -> Iterator[Result]:
     """Results of all jobs in order, worked on in batches that are halved where memory ends.
 
-    warn is told of each halving. Raises ChordError where one job alone is too much.
+    warn is called at each halving. Raises ChordError where one job alone is too much.
     """
     start = 0
     while start < len(jobs):

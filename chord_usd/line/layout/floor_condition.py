@@ -1,8 +1,8 @@
 """What a network that plans floors sees: an open plan, or a blank sheet of a known scale.
 
 An open plan (plan_labels.open_plan, painted) shows a house's outer walls with their doors and
-windows. A blank sheet leaves the house's shape to the network; what the house shall be is said in
-words then (line/planning/words.py). Either may show a bubble diagram of the rooms (bubbles.py).
+windows. A blank sheet leaves the house's shape to the network; words then describe the house
+(line/planning/words.py). Either may show a bubble diagram of the rooms (bubbles.py).
 """
 
 from __future__ import annotations

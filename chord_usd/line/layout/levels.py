@@ -30,7 +30,7 @@ class LevelTraits:
 
     class_count: int
     """Label 0 is the bare ground, label 1 + detector_class an item; at the level of floors labels
-    are those of plan_labels."""
+    come from plan_labels."""
     describe: Describe
     paint: Paint
     pixel_planes: int

@@ -63,7 +63,7 @@ class Mosaic:
             assert said.clean is not None
             for place, (index, view) in enumerate(batch.places):
                 for whole, part in ((output, said.output), (clean, said.clean)):
-                    whole[index][:, *view.window][:, view.own] = part[place][:, view.own]
+                    whole[index][:, *view.window][:, view.decided] = part[place][:, view.decided]
         return Estimate(output, clean)
 
 
@@ -84,8 +84,8 @@ def mosaic_of(
     places = []
     for index, (rgb, scale) in enumerate(zip(pictures, m_per_px, strict=True)):
         for view in cut_views(rgb, scale, multiple_px):
-            inside[index, 0][view.window] |= view.own
-            if region is None or (region[view.window] & view.own).any():
+            inside[index, 0][view.window] |= view.decided
+            if region is None or (region[view.window] & view.decided).any():
                 places.append((index, view))
     return Mosaic(inside, tuple(_batches(places, m_per_px, describe, drafts)))
 
@@ -96,8 +96,8 @@ def _batches(
     describe: Describe,
     drafts: Sequence[State] | None,
 ) -> Iterator[_Batch]:
-    for size in dict.fromkeys(view.own.shape for _, view in places):
-        group = [place for place in places if place[1].own.shape == size]
+    for size in dict.fromkeys(view.decided.shape for _, view in places):
+        group = [place for place in places if place[1].decided.shape == size]
         for start in range(0, len(group), VIEWS_AT_ONCE):
             part = group[start : start + VIEWS_AT_ONCE]
             scales = [m_per_px[index] for index, _ in part]
@@ -133,7 +133,7 @@ class View:
     """Rows and columns of the picture."""
     rgb: ByteArray
     """(h, w, 3) the plan in the window, with the rooms in sight and their walls only."""
-    own: BoolArray
+    decided: BoolArray
     """(h, w) floor that this view decides about."""
 
 
@@ -142,7 +142,7 @@ class _Part:
     """Connected floor, or a part of it, that one view decides about."""
 
     label: int
-    own: tuple[Corner, Corner]
+    decided: tuple[Corner, Corner]
     """First and behind-the-last corner of a box: floor of this label in it belongs to the part."""
     needed: tuple[Corner, Corner]
     """The same of what must be in sight."""
@@ -171,7 +171,8 @@ def cut_views(
 ) -> list[View]:
     """Views of at most most_px by most_px pixels that together decide about all floor.
 
-    rgb: (H, W, 3) plan raster. Its sides, most_px and those of views are multiples of multiple_px.
+    rgb: (H, W, 3) plan raster. Its sides, most_px and the sides of views are multiples of
+    multiple_px.
     The number of views grows with the house's area.
     """
     house = _house(rgb, m_per_px)
@@ -244,17 +245,17 @@ def _view(house: _House, group: Sequence[_Part], multiple_px: int) -> View:
     (top, left), (bottom, right) = corner.tolist(), (corner + size).tolist()
     window = slice(top, bottom), slice(left, right)
     labels = house.labels[window]
-    own = np.zeros(labels.shape, np.bool_)
+    decided = np.zeros(labels.shape, np.bool_)
     for part in group:
         rows, columns = (
             slice(max(int(first) - int(start), 0), int(last) - int(start))
-            for first, last, start in zip(*part.own, corner, strict=True)
+            for first, last, start in zip(*part.decided, corner, strict=True)
         )
-        own[rows, columns] |= labels[rows, columns] == part.label
-    return View(window, _drawn(house, window, own), own)
+        decided[rows, columns] |= labels[rows, columns] == part.label
+    return View(window, _drawn(house, window, decided), decided)
 
 
-def _drawn(house: _House, window: Window, own: BoolArray) -> ByteArray:
+def _drawn(house: _House, window: Window, decided: BoolArray) -> ByteArray:
     """The window as if the house ended at its edge: floors that go on beyond it end in a wall.
 
     Strips of floor that no view would be about are left out; passages to them become doors.
@@ -264,7 +265,7 @@ def _drawn(house: _House, window: Window, own: BoolArray) -> ByteArray:
     within = np.zeros(labels.shape, np.bool_)
     within[edge_px:-edge_px, edge_px:-edge_px] = True
     shown = (labels > 0) & within
-    shown &= ~_strips(shown, house.least_px) | own
+    shown &= ~_strips(shown, house.least_px) | decided
     walled = cv2.dilate(shown.astype(np.uint8), _square(house.wall_px)) > 0
     rgb[(labels > 0) & ~shown & walled & ~within] = _WALL_RGB
     wall = (rgb == _WALL_RGB).all(axis=2)

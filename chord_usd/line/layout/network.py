@@ -67,7 +67,7 @@ class LayoutNetwork(nn.Module):
         return functional.pixel_shuffle(self.head(features), patch)
 
     def _said(self, words: Tensor | None) -> dict[str, Tensor]:
-        """What the U-Net is told beside the picture."""
+        """Conditions of the U-Net beside the picture."""
         if words is None:
             return {}
         said = {"encoder_hidden_states": words}
@@ -122,12 +122,14 @@ def _unet(config: LayoutConfig) -> Any:
         return UNet2DModel(**common, attention_head_dim=32)
     # What this class calls so is the number of heads.
     heads = tuple(width // 32 for width in config.channels)
-    told: dict[str, Any] = {}
+    projection: dict[str, Any] = {}
     if config.programme:
-        told["class_embed_type"] = "projection"
-        told["projection_class_embeddings_input_dim"] = config.programme * config.word_channels
+        projection["class_embed_type"] = "projection"
+        projection["projection_class_embeddings_input_dim"] = (
+            config.programme * config.word_channels
+        )
     unet: Any = UNet2DConditionModel(
-        **common, **told, cross_attention_dim=config.word_channels, attention_head_dim=heads
+        **common, **projection, cross_attention_dim=config.word_channels, attention_head_dim=heads
     )
     if config.programme:
         # Says nothing at first, so that a network without it can be the start.

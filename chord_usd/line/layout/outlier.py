@@ -22,7 +22,7 @@ from chord_usd.line.layout.schedule import State, alphas_cumprod, noised
 
 ITEM_NOISE = (8.0, 16.0, 32.0)
 """Noise-to-signal ratios of the draws behind an item's score. Below, the network reads the item
-off the noisy picture; above, it sees little but the plan. Moved items were told from others best
+off the noisy picture; above, it sees little but the plan. It parts moved items from others best
 here: area under the curve 0.83, against 0.78 at 0.7 and 0.76 at 150."""
 
 
@@ -60,7 +60,7 @@ class NoiseError:
         """For each time, (B, H, W) squared error of the predicted noise, mean over channels.
 
         drawings: of one batch. The noise of a time is shared by all of them, so that differences
-        between layouts are not those of the noise. What is no floor has no error.
+        between layouts do not come from the noise. What is no floor has no error.
         """
         images = [drawing.plan_image for drawing in drawings]
         windows = self.model.windows(images)

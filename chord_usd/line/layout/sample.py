@@ -123,8 +123,8 @@ class LayoutModel:
             )
             images = [plan_images[index] for index in group]
             windows = [window_of(image.rgb, size) for image in images]
-            own = [drafts[index] for index in group] if drafts else [None] * len(group)
-            seen = self._seen(windows, own)
+            starts = [drafts[index] for index in group] if drafts else [None] * len(group)
+            seen = self._seen(windows, starts)
             final = self._denoise(self.plans(images, windows, drafts=seen), run, None, seen)
             for place, index in enumerate(group):
                 pictures[index] = self._picture(images[place], final[place], run, place, windows)
@@ -143,7 +143,7 @@ class LayoutModel:
         draft: Draft | None = None,
         progress: Progress | None = None,
     ) -> LayoutImage:
-        """The layout of these labels, sampled anew in a region of its floor: masked diffusion.
+        """The layout of these labels, sampled again in a region of its floor: masked diffusion.
 
         labels, front: (H, W) as canvas.draw_items gives them; what they hold in the region is not
         looked at. region: (H, W). Outside of it every pixel is that of the layout given, which the
@@ -184,7 +184,9 @@ class LayoutModel:
                 try_="the checkpoint folder as training left it, its text_encoder within",
             )
         run = self._run(seeds, steps, None, progress)
-        plans = self._described([one.rgb for one in sheets], [one.frame.m_per_px for one in sheets])
+        plans = self._described(
+            [sheet.rgb for sheet in sheets], [sheet.frame.m_per_px for sheet in sheets]
+        )
         final = self._denoise(replace(plans, words=words), run, kept=None)
         return list(final[:, :-1].argmax(axis=1).astype(np.uint8))
 

@@ -2,7 +2,7 @@
 
 Levels share the U-Net, the noise and the code words: label k is the same word at every level. What
 a network has learned of rectangles, edges and front marks therefore holds at once; only what the
-condition means and which item belongs where is to be learned anew.
+condition means and which item belongs where has to be learned again.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ def adopt(network: LayoutNetwork, other: LayoutNetwork) -> None:
             expected="the same channels, attention, state and condition",
             try_="a checkpoint of chord-usd train plan2layout, of its default preset",
         )
-    found = other.state_dict()
+    weights = other.state_dict()
     for name in ("weight", "bias"):
-        own = network.head.get_parameter(name)
-        found[f"head.{name}"] = _same_labels(found[f"head.{name}"], own, network)
-    found["embed_plan.weight"] = _same_ground(network, other)
-    found["embed_state.weight"] = _same_front(network, other)
-    network.load_state_dict(found)
+        parameter = network.head.get_parameter(name)
+        weights[f"head.{name}"] = _same_labels(weights[f"head.{name}"], parameter, network)
+    weights["embed_plan.weight"] = _same_ground(network, other)
+    weights["embed_state.weight"] = _same_front(network, other)
+    network.load_state_dict(weights)
 
 
 def _built(network: LayoutNetwork) -> LayoutConfig:
@@ -52,11 +52,11 @@ def _same_front(network: LayoutNetwork, other: LayoutNetwork) -> Tensor:
     return weight
 
 
-def _same_labels(head: Tensor, own: Tensor, network: LayoutNetwork) -> Tensor:
+def _same_labels(head: Tensor, parameter: Tensor, network: LayoutNetwork) -> Tensor:
     """The rows of a head that stand for the labels of the network, and for the front mark."""
     fold = network.config.patch_px**2
     by_label = head.unflatten(0, (-1, fold))
-    wanted = own.unflatten(0, (-1, fold)).clone()
+    wanted = parameter.unflatten(0, (-1, fold)).clone()
     shared = min(len(by_label), len(wanted)) - 1
     wanted[:shared], wanted[-1] = by_label[:shared], by_label[-1]
     return wanted.flatten(0, 1)
@@ -66,7 +66,7 @@ def _same_ground(network: LayoutNetwork, other: LayoutNetwork) -> Tensor:
     """What the embedding of the condition says of the ground; nothing yet of all else."""
     fold = network.config.patch_px**2
     before, weight = other.embed_plan.weight, torch.zeros_like(network.embed_plan.weight)
-    to, from_ = (traits_of(one.config).ground_plane * fold for one in (network, other))
+    to, from_ = (traits_of(net.config).ground_plane * fold for net in (network, other))
     weight[:, to : to + fold] = before[:, from_ : from_ + fold]
     return weight
 
@@ -77,18 +77,18 @@ def take_up(network: LayoutNetwork, other: LayoutNetwork) -> None:
 
     Raises CheckpointError where they are built differently otherwise.
     """
-    own = network.config
-    if replace(_built(other), programme=own.programme, draft=own.draft) != _built(network):
+    config = network.config
+    if replace(_built(other), programme=config.programme, draft=config.draft) != _built(network):
         raise CheckpointError(
             "the network to start from is built differently",
             expected="the configuration of what is trained",
             try_="a checkpoint of the same command",
         )
-    found = {**network.state_dict(), **other.state_dict()}
-    found["embed_state.weight"] = _same_front(network, other)
-    if own.draft and not other.config.draft:
-        found["embed_plan.weight"] = _without_draft(network, other)
-    network.load_state_dict(found)
+    weights = {**network.state_dict(), **other.state_dict()}
+    weights["embed_state.weight"] = _same_front(network, other)
+    if config.draft and not other.config.draft:
+        weights["embed_plan.weight"] = _without_draft(network, other)
+    network.load_state_dict(weights)
 
 
 def _without_draft(network: LayoutNetwork, other: LayoutNetwork) -> Tensor:

@@ -85,7 +85,7 @@ def sample_upright(
 ) -> LayoutImage:
     """As model.sample of the raster of a plan, each of its rooms upright.
 
-    listed: the plan with the pieces that lists tell, from which the model starts.
+    listed: the plan with the pieces of lists, from which the model starts.
     """
     groups = rooms_by_direction(plan.rooms)
     sheets = [upright_sheet(plan, rooms, yaw, plan_image) for yaw, rooms in groups.items()]
@@ -128,7 +128,7 @@ def rooms_by_direction(rooms: Sequence[Room]) -> dict[float, list[Room]]:
     groups: dict[float, list[Room]] = {}
     for room in rooms:
         yaw_deg = direction_of(room)
-        near = (one for one in groups if abs(fold_deg(one - yaw_deg)) < SAME_DEG)
+        near = (known_deg for known_deg in groups if abs(fold_deg(known_deg - yaw_deg)) < SAME_DEG)
         groups.setdefault(next(near, yaw_deg), []).append(room)
     return groups
 

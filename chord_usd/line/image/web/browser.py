@@ -110,9 +110,9 @@ def studio(
 def _launched(playwright: Playwright) -> Any:
     from playwright.sync_api import Error
 
-    program = next((found for name in _NAMES if (found := shutil.which(name))), None)
+    program = next((path for name in _NAMES if (path := shutil.which(name))), None)
     try:
-        # Without one of the system's, that which `playwright install chromium` brings.
+        # Without a browser of the system, the browser of `playwright install chromium`.
         return playwright.chromium.launch(executable_path=program, args=list(_SOFTWARE))
     except Error as error:
         raise RenderError(

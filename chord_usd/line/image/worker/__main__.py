@@ -1,4 +1,4 @@
-"""Takes one job on standard input, renders it, and tells how it goes on standard output.
+"""Takes one job on standard input, renders it, and reports progress on standard output.
 
 One JSON object per line: `{"device": "CPU"}` once, `{"progress": {"camera": …, "done": samples,
 "total": samples}}` and `{"taken": camera, "exposure_ev": …,

@@ -11,7 +11,7 @@ def main(stage: str, target: str) -> None:
     """Write the file, its pictures within."""
     scene = bring_in(stage, cameras=True)
     drop_missing_textures()
-    scene.camera = next((one for one in scene.objects if one.type == "CAMERA"), None)
+    scene.camera = next((obj for obj in scene.objects if obj.type == "CAMERA"), None)
     scene.render.engine = "CYCLES"
     bpy.ops.file.pack_all()
     # No backup of a file that is there: what is written takes its place as a whole.

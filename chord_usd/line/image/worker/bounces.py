@@ -54,7 +54,7 @@ def _split(tree: Any, output: Any, colour: tuple[float, float, float]) -> None:
 
 
 def _plain_colour(surface: Any, means: dict[str, Any]) -> tuple[float, float, float] | None:
-    """Linear colour of a surface; None for metal, glass, what glows, and what cannot be told."""
+    """Linear colour of a surface; None for metal, glass, glowing and unknown surfaces."""
     sockets = surface.inputs
     if any(sockets[name].is_linked for name in ("Metallic", "Alpha", "Emission Color")):
         return None

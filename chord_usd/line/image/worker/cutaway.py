@@ -36,8 +36,8 @@ _OPENINGS = ("door", "window", "passage")
 _HUNG = (Mount.WALL, Mount.WINDOW, Mount.CEILING)
 _GRID_M = 1e-4
 _BELOW_M = 0.7e-3
-"""A cut is so much lower: sills and heads lie at round heights, and where a plane runs through
-corners there is no telling which sides of it they are on."""
+"""A cut is so much lower: sills and heads lie at round heights, and the sides of
+corners are unknown where a plane runs through them."""
 _NEAR_WALL_M = 0.3
 _OVER_M = 0.15
 """Things are cut that are so much higher than the walls."""
@@ -59,7 +59,7 @@ def cut_open(height_m: float) -> None:
     for thing in bpy.data.objects:  # higher cuts came before
         if _plain_name(thing) == _LID or is_of_roof(thing):
             thing.hide_render = True
-    for thing in [one for one in bpy.data.objects if one.type == "MESH" and _is_building(one)]:
+    for thing in [obj for obj in bpy.data.objects if obj.type == "MESH" and _is_building(obj)]:
         name = _plain_name(thing)
         if name.startswith(_CAP_FROM):
             tops += _seen_from_above(thing, height_m)
@@ -77,8 +77,8 @@ def set_on_base(scene: Any, shown: bool) -> None:
     base = scene.objects.get(_BASE)
     if base is None and shown:
         low_m = min(
-            ((one.matrix_world @ Vector(corner)).z for one in scene.objects if _is_wall(one)
-             for corner in one.bound_box), default=0.0,
+            ((obj.matrix_world @ Vector(corner)).z for obj in scene.objects if _is_wall(obj)
+             for corner in obj.bound_box), default=0.0,
         )  # fmt: skip
         reach, height_m = _BASE_REACH_M, low_m - _BASE_BELOW_M
         corners = [(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)]
@@ -138,7 +138,7 @@ def _plain_name(thing: Any) -> str:
 
 
 def _is_building(thing: Any) -> bool:
-    return any(_plain_name(one) in _BUILDING for one in _above(thing))
+    return any(_plain_name(obj) in _BUILDING for obj in _above(thing))
 
 
 def _is_wall(thing: Any) -> bool:
@@ -210,10 +210,10 @@ def _cut_things(height_m: float) -> None:
     _hide_resting(hidden)
     parts = _instanced_parts(tall)
     for thing in tall:
-        below = [one for one in (thing, *thing.children_recursive) if one.type == "MESH"]
+        below = [part for part in (thing, *thing.children_recursive) if part.type == "MESH"]
         for part in below:
             part.data = part.data.copy()  # other pieces of its model may share it
-        for part in below + [_placed(thing, *one) for one in parts.get(thing.name, ())]:
+        for part in below + [_placed(thing, *placed) for placed in parts.get(thing.name, ())]:
             part.hide_render = not _cut(part, height_m, closes=True)
         if thing.name in parts:
             thing.hide_render = True
@@ -227,10 +227,14 @@ def _instanced_parts(things: Iterable[Any]) -> dict[str, list[tuple[Any, Any]]]:
     """Meshes of things that are instances of a collection, with their places in the world."""
     names = {thing.name for thing in things}
     parts: dict[str, list[tuple[Any, Any]]] = {}
-    for one in bpy.context.evaluated_depsgraph_get().object_instances:
-        if one.is_instance and one.object.type == "MESH" and one.parent.name in names:
-            mesh = bpy.data.meshes.new_from_object(one.object)
-            parts.setdefault(one.parent.name, []).append((mesh, one.matrix_world.copy()))
+    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+        if (
+            instance.is_instance
+            and instance.object.type == "MESH"
+            and instance.parent.name in names
+        ):
+            mesh = bpy.data.meshes.new_from_object(instance.object)
+            parts.setdefault(instance.parent.name, []).append((mesh, instance.matrix_world.copy()))
     return parts
 
 
@@ -259,7 +263,7 @@ def _cut(thing: Any, height_m: float, *, closes: bool = False) -> bool:
         clear_outer=True,
     )
     if closes:
-        rim = [one for one in made["geom_cut"] if isinstance(one, bmesh.types.BMEdge)]
+        rim = [edge for edge in made["geom_cut"] if isinstance(edge, bmesh.types.BMEdge)]
         bmesh.ops.holes_fill(edited, edges=rim, sides=0)
     edited.transform(thing.matrix_world.inverted())
     edited.to_mesh(thing.data)
@@ -283,8 +287,8 @@ def _seen_from_above(thing: Any, height_m: float) -> list[Polygon]:
     """The triangles of the storey that is cut."""
     triangles = _triangles_m(thing)
     over = triangles[:, :, 2].min(axis=1) - height_m
-    found = shapely.polygons(triangles[(over > 0.0) & (over < _NEXT_FLOOR_M + 0.2)][:, :, :2])
-    return list(found[shapely.area(found) > 0.0])
+    shapes = shapely.polygons(triangles[(over > 0.0) & (over < _NEXT_FLOOR_M + 0.2)][:, :, :2])
+    return list(shapes[shapely.area(shapes) > 0.0])
 
 
 def _section(thing: Any, height_m: float) -> list[LineString]:

@@ -40,12 +40,12 @@ def choose_device(scene: Any, wanted: str) -> str:
         except TypeError:  # this build of Blender does not know the backend
             continue
         preferences.refresh_devices()
-        found = [device for device in preferences.devices if device.type == backend]
-        if found:
+        usable = [device for device in preferences.devices if device.type == backend]
+        if usable:
             for device in preferences.devices:
-                device.use = device in found
+                device.use = device in usable
             scene.cycles.device = "GPU"
-            return f"{backend} {found[0].name}"
+            return f"{backend} {usable[0].name}"
     if wanted != "auto":
         raise DeviceMissingError(f"this machine has no {wanted} device that Blender can use")
     return "CPU"

@@ -107,7 +107,7 @@ def _metered(scene: Any, job: Job) -> tuple[np.ndarray, np.ndarray]:
     render.filepath = str(Path(job.folder) / "meter.exr")
     bpy.ops.render.render(write_still=True)
     channels, _ = read_exr(Path(render.filepath))
-    light, own = (
+    light, albedo = (
         np.stack([_channel(channels, f"{name}.{colour}") for colour in "RGB"], axis=-1) @ _LUMA
         for name in ("Combined", "Denoising Albedo")
     )
@@ -115,7 +115,7 @@ def _metered(scene: Any, job: Job) -> tuple[np.ndarray, np.ndarray]:
     layer.cycles.denoising_store_passes = False
     render.film_transparent = not has_sky
     render.resolution_percentage, cycles.use_denoising = 100, denoised
-    return light[shown], own[shown]
+    return light[shown], albedo[shown]
 
 
 def _channel(channels: Channels, name: str) -> np.ndarray:

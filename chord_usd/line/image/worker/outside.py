@@ -27,8 +27,8 @@ GLASS = "Glass"
 """Names of panes start so."""
 
 VIEW_WHITE = 1.25
-"""Scene-linear luminance, after exposure, of the brighter part of the view: AgX still tells it
-from white."""
+"""Scene-linear luminance, after exposure, of the brighter part of the view: AgX still shows it
+darker than white."""
 
 _BRIGHTER = 70.0
 """Percentile that is held there."""

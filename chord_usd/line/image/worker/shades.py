@@ -75,7 +75,7 @@ def _glowing() -> Iterator[tuple[Any, Any]]:
             continue
         red, green, blue = colour.default_value[:3]
         top = max(red, green, blue)
-        warm = (part * own / top for part, own in zip(_WARM, (red, green, blue), strict=True))
+        warm = (part * level / top for part, level in zip(_WARM, (red, green, blue), strict=True))
         colour.default_value = (*warm, 1.0)
         yield material, surface
 

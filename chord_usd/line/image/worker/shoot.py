@@ -103,11 +103,11 @@ def _take_light(scene: Any, job: Job, view: StageCamera, report: Report) -> None
     times = job.quality.above if view.from_above else 1
     set_samples(scene, job.quality.samples * times, job.part)
 
-    # Cycles prints no samples on standard output; this is where it tells them.
+    # Cycles prints no samples on standard output; its statistics have them.
     def on_stats(status: str, *_: Any) -> None:
-        found = _SAMPLE.search(status)
-        if found:
-            done, total = map(int, found.groups())
+        match = _SAMPLE.search(status)
+        if match:
+            done, total = map(int, match.groups())
             report({"progress": {"camera": view.name, "done": done, "total": total}})
 
     if job.layers:
