@@ -27,20 +27,20 @@ def _before_save(path: str = "", *_: object) -> None:
     if not path:
         return
     for scene in bpy.data.scenes:
-        own = getattr(scene, SCENE_KEY)
-        own.house = session.place_of(own.house)
-        house = Path(own.house)
-        if own.house and house.is_file() and house.is_relative_to(unsaved_folder()):
+        props = getattr(scene, SCENE_KEY)
+        props.house = session.place_of(props.house)
+        house = Path(props.house)
+        if props.house and house.is_file() and house.is_relative_to(unsaved_folder()):
             wanted = house_folder(path, house.parent.name, unsaved_folder())
             folder = session.claims.take_new(wanted)
             try:
                 _copy(house.parent, folder)
             except OSError as error:
                 session.claims.drop_empty()
-                own.error = f"The house stays in a temporary folder: {error}"
+                props.error = f"The house stays in a temporary folder: {error}"
             else:
-                session.moved[own.house] = str(folder / house.name)
-                own.house = str(folder / house.name)
+                session.moved[props.house] = str(folder / house.name)
+                props.house = str(folder / house.name)
 
 
 def _copy(house_folder: Path, folder: Path) -> None:

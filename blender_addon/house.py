@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 from mathutils import Matrix as WorldMatrix
 
-from .core.edits import Changes, Matrix, moves, placements_of_house, told, understood
+from .core.edits import Changes, Matrix, moves, placements_of_house, to_json, understood
 from .core.revisions import revision
 from .core.tree import (
     CAMERAS,
@@ -26,7 +26,7 @@ from .core.tree import (
 from .properties import PART_KEY, chosen_room, fields
 
 LOCKED_KEY = "chord_usd_locked"
-"""Custom property of pieces that stay when their room is furnished anew."""
+"""Custom property of pieces that stay when their room is furnished again."""
 
 LAMP_KEY = "chord_usd_lamp"
 """Custom property of lamps: the brightness that the house itself has them at."""
@@ -68,14 +68,16 @@ def objects_at(context: bpy.types.Context, paths: Iterable[str]) -> list[bpy.typ
     return [
         item
         for path, item in own_objects(context).items()
-        if any(path == one or path.startswith(f"{one}/") for one in wanted)
+        if any(path == target or path.startswith(f"{target}/") for target in wanted)
     ]
 
 
 def pieces_of(context: bpy.types.Context, room: str) -> Objects:
     """Furniture and dressing of a room by USD path, in the order of their names."""
-    found = own_objects(context)
-    return {path: found[path] for path in sorted(found) if is_piece(path) and room_of(path) == room}
+    objects = own_objects(context)
+    return {
+        path: objects[path] for path in sorted(objects) if is_piece(path) and room_of(path) == room
+    }
 
 
 def chosen_path(context: bpy.types.Context) -> str:
@@ -86,29 +88,33 @@ def chosen_path(context: bpy.types.Context) -> str:
 def carriers(objects: Objects) -> dict[str, str]:
     """By the path of dressing that rests on a piece, the path of that piece."""
     nodes = {item[NODE_KEY]: piece_of(path) for path, item in objects.items() if NODE_KEY in item}
-    found = {
+    carrier_of = {
         path: nodes.get(item.get(RESTS_KEY, ""), "")
         for path, item in objects.items()
         if is_piece(path)
     }
-    return {path: piece for path, piece in found.items() if piece in objects and piece != path}
+    return {path: piece for path, piece in carrier_of.items() if piece in objects and piece != path}
 
 
 def with_resting(objects: Objects, path: str) -> list[str]:
-    """The path of a piece, and those of what rests on it, and on that."""
-    found, rests_on = [path], carriers(objects)
-    for below in found:
-        found += [one for one, piece in rests_on.items() if piece == below and one not in found]
-    return found
+    """The path of a piece, and the paths of pieces that rest on it, and on those."""
+    paths, rests_on = [path], carriers(objects)
+    for below in paths:
+        paths += [
+            resting
+            for resting, piece in rests_on.items()
+            if piece == below and resting not in paths
+        ]
+    return paths
 
 
 def with_carriers(objects: Objects, path: str) -> list[str]:
-    """The path of a piece, and those of what it rests on, and what that does."""
-    found, rests_on = [path], carriers(objects)
-    for above in found:
-        if (piece := rests_on.get(above, "")) and piece not in found:
-            found.append(piece)
-    return found
+    """The path of a piece, and the paths of its carrier, and of the carrier's carrier."""
+    paths, rests_on = [path], carriers(objects)
+    for above in paths:
+        if (piece := rests_on.get(above, "")) and piece not in paths:
+            paths.append(piece)
+    return paths
 
 
 def hang_on_carriers(objects: Objects) -> None:
@@ -158,10 +164,10 @@ def remember(context: bpy.types.Context, house: Path, changes: Changes) -> None:
 
     changes: those it came in with. Raises OSError.
     """
-    own, objects = fields(context), own_objects(context)
-    own.placed = json.dumps(placements_of_house(placements(objects), changes))
-    own.came_with = json.dumps(told(changes))
-    own.revision = revision(house)
+    props, objects = fields(context), own_objects(context)
+    props.placed = json.dumps(placements_of_house(placements(objects), changes))
+    props.came_with = json.dumps(to_json(changes))
+    props.revision = revision(house)
     for path, item in objects.items():
         if is_light(path) and item.type == "LIGHT":
             item[LAMP_KEY] = _brightness(item) / changes.lights.get(path, 1.0)
@@ -204,11 +210,11 @@ def light_of(objects: Objects, room: str) -> float:
 
 def show_rooms(context: bpy.types.Context) -> None:
     """Show the chosen room alone, or all rooms up to a storey, and the roof, as the fields say."""
-    own = fields(context)
-    chosen = chosen_room(context) if own.solo else ""
-    parts = {CAMERAS, *(room.name for room in own.rooms)}
+    props = fields(context)
+    chosen = chosen_room(context) if props.solo else ""
+    parts = {CAMERAS, *(room.name for room in props.rooms)}
     levels = storeys(own_objects(context))
-    above = set(levels[own.storey :]) if own.storey else set()
+    above = set(levels[props.storey :]) if props.storey else set()
     for layer in _layers(context.view_layer.layer_collection):
         part = layer.collection.get(PART_KEY)
         if part in parts:
@@ -216,8 +222,8 @@ def show_rooms(context: bpy.types.Context) -> None:
         elif part in levels:
             layer.hide_viewport = part in above
         elif part == ROOF:
-            layer.hide_viewport = bool(chosen or above) or not own.show_roof
-            layer.collection.hide_render = not own.show_roof
+            layer.hide_viewport = bool(chosen or above) or not props.show_roof
+            layer.collection.hide_render = not props.show_roof
 
 
 def show_ceilings(context: bpy.types.Context) -> None:

@@ -69,15 +69,19 @@ def remove_house(context: bpy.types.Context) -> None:
 
     What the artist made stays, also where it lies in the collections of the house.
     """
-    parts = [one for one in context.scene.collection.children_recursive if PART_KEY in one]
-    prototypes = [one for one in parts if one[PART_KEY] == PROTOTYPE]
-    own = {line.object for line in fields(context).objects} - {None}
-    shown = {item for one in prototypes for item in one.objects}
-    theirs = [item for item in context.scene.objects if item not in own | shown]
+    parts = [
+        collection
+        for collection in context.scene.collection.children_recursive
+        if PART_KEY in collection
+    ]
+    prototypes = [part for part in parts if part[PART_KEY] == PROTOTYPE]
+    of_house = {line.object for line in fields(context).objects} - {None}
+    shown = {item for prototype in prototypes for item in prototype.objects}
+    theirs = [item for item in context.scene.objects if item not in of_house | shown]
     used, unused = _used_prototypes(theirs), _unused()
     for item in theirs:
-        _leave_house(context, item, own)
-    for item in own | {item for item in shown if used.isdisjoint(item.users_collection)}:
+        _leave_house(context, item, of_house)
+    for item in of_house | {item for item in shown if used.isdisjoint(item.users_collection)}:
         bpy.data.objects.remove(item, do_unlink=True)
     for part in parts:
         _remove_collection(context, part, is_used=part in used)
@@ -103,7 +107,7 @@ def _import_stage(context: bpy.types.Context, stage: Path) -> Objects:
 
 @contextmanager
 def _roofed(stage: Path) -> Iterator[Path]:
-    """The stage with the roof that its house can wear: the panel shows and hides it."""
+    """The stage with the roof that its house offers: the panel shows and hides it."""
     roof = roof_of(house_of(stage))
     if not roof:
         yield stage
@@ -127,15 +131,15 @@ def _hide_prototypes(
 
 def _fill_rooms(context: bpy.types.Context, rooms: list[str]) -> None:
     """The rooms list, with the seeds it had."""
-    own, objects = fields(context), own_objects(context)
-    seeds = {room.name: room.seed for room in own.rooms}
-    chosen = own.room_index
-    own.rooms.clear()
+    props, objects = fields(context), own_objects(context)
+    seeds = {room.name: room.seed for room in props.rooms}
+    chosen = props.room_index
+    props.rooms.clear()
     for name in rooms:
-        line = own.rooms.add()
-        line.name, line.seed = name, seeds.get(name, own.seed)
+        line = props.rooms.add()
+        line.name, line.seed = name, seeds.get(name, props.seed)
         line.light = light_of(objects, name)
-    own.room_index = min(chosen, max(0, len(rooms) - 1))
+    props.room_index = min(chosen, max(0, len(rooms) - 1))
 
 
 def _collection(branch: Branch) -> bpy.types.Collection:
@@ -157,23 +161,23 @@ def _choose_camera(context: bpy.types.Context, items: Iterable[bpy.types.Object]
 
 def _used_prototypes(items: Iterable[bpy.types.Object]) -> set[bpy.types.Collection]:
     """The collections that these objects show, and those that are shown in them."""
-    found: set[bpy.types.Collection] = set()
+    prototypes: set[bpy.types.Collection] = set()
     waiting = [item.instance_collection for item in items if item.instance_collection]
     while waiting:
         collection = waiting.pop()
-        if collection not in found:
-            found.add(collection)
+        if collection not in prototypes:
+            prototypes.add(collection)
             waiting += [*collection.children]
             waiting += [i.instance_collection for i in collection.objects if i.instance_collection]
-    return found
+    return prototypes
 
 
 def _leave_house(
-    context: bpy.types.Context, item: bpy.types.Object, own: set[bpy.types.Object]
+    context: bpy.types.Context, item: bpy.types.Object, of_house: set[bpy.types.Object]
 ) -> None:
     """Move an artist's own object out of the collections of the house, where it is in some."""
-    homes = [one for one in item.users_collection if PART_KEY in one]
-    if item.parent in own:
+    homes = [collection for collection in item.users_collection if PART_KEY in collection]
+    if item.parent in of_house:
         world = item.matrix_world.copy()
         item.parent = None
         item.matrix_world = world
@@ -204,16 +208,16 @@ def _remove_collection(
 
 def _unused() -> list[bpy.types.ID]:
     """What nothing in the file uses."""
-    kinds = [one.identifier for one in bpy.data.bl_rna.properties if one.type == "COLLECTION"]
+    kinds = [kind.identifier for kind in bpy.data.bl_rna.properties if kind.type == "COLLECTION"]
     blocks = (block for kind in kinds for block in getattr(bpy.data, kind))
-    return [one for one in blocks if isinstance(one, bpy.types.ID) and not one.users]
+    return [block for block in blocks if isinstance(block, bpy.types.ID) and not block.users]
 
 
 def _purge(spared: Iterable[bpy.types.ID]) -> None:
     """Take out of the file what nothing uses, but for what nothing used before."""
-    kept = [one for one in spared if one.is_editable]
-    for one in kept:
-        one.use_fake_user = True
+    kept = [block for block in spared if block.is_editable]
+    for block in kept:
+        block.use_fake_user = True
     bpy.data.orphans_purge(do_recursive=True)
-    for one in kept:
-        one.use_fake_user = False
+    for block in kept:
+        block.use_fake_user = False

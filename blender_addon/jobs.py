@@ -27,11 +27,11 @@ from .session import Finish, session
 
 
 class JobOperator:
-    """Starts a job; what is missing is told in the panel."""
+    """Starts a job; the panel reports missing input."""
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Collects the command line, and starts."""
-        own = fields(context)
+        props = fields(context)
         if session.is_running:
             self.report({"ERROR"}, "A job is running; cancel it or wait.")
             return {"CANCELLED"}
@@ -40,7 +40,7 @@ class JobOperator:
             session.start(context, arguments, finish)
         except (InputError, ProgramError, OSError) as error:
             session.claims.drop_empty()
-            own.error = str(error)
+            props.error = str(error)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
@@ -101,7 +101,7 @@ def bring_in(
 ) -> tuple[list[str], Finish]:
     """The job that lists what a house holds, and the import that follows it.
 
-    made: the report of the program that made it, or furnished a room of it anew.
+    made: the report of the program that made it, or furnished a room of it again.
     before: the house as it is in the scene now, where it is this one; what the artist does in the
     meantime is carried over, except in a room that is new. Raises InputError where there is no
     such file.
@@ -124,41 +124,41 @@ def show_new_house(context: bpy.types.Context, data: dict[str, Any]) -> None:
 
 
 def show_room(seen: Seen, context: bpy.types.Context, data: dict[str, Any]) -> None:
-    """A room was furnished anew: there, only locked pieces keep what was changed."""
+    """A room was furnished again: there, only locked pieces keep their changes."""
     room = str(data["room"])
     _show_written(seen, context, lambda changes: without_room(changes, room), data, room)
 
 
 def show_understood(sentence: str, context: bpy.types.Context, data: dict[str, Any]) -> None:
     """What a sentence means, before it is done."""
-    own = fields(context)
-    own.understood, own.understood_of = "\n".join(report.understood(data)), sentence
+    props = fields(context)
+    props.understood, props.understood_of = "\n".join(report.understood(data)), sentence
 
 
 def show_edited(seen: Seen, context: bpy.types.Context, data: dict[str, Any]) -> None:
     """A sentence was done: pieces in its rooms are where the house itself has them."""
     taken_over = [str(path) for path in data["taken_over"]]
-    own = fields(context)
-    own.sentence = own.understood = own.understood_of = ""
+    props = fields(context)
+    props.sentence = props.understood = props.understood_of = ""
     _show_written(seen, context, lambda changes: without_pieces(changes, taken_over))
 
 
 def show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:
     """Fill the list of findings."""
-    own = fields(context)
-    own.certificate = report.headline(data)
-    own.findings.clear()
+    props = fields(context)
+    props.certificate = report.headline(data)
+    props.findings.clear()
     for finding in report.findings(data):
-        line = own.findings.add()
+        line = props.findings.add()
         line.name, line.paths = finding.text, "\n".join(finding.paths)
 
 
 def show_pictures(context: bpy.types.Context, data: dict[str, Any]) -> None:
     """Open the pictures where Blender's image editor lists them."""
-    own, pictures = fields(context), list(map(str, data.get("pictures", ())))
+    props, pictures = fields(context), list(map(str, data.get("pictures", ())))
     for picture in pictures:
         bpy.data.images.load(picture, check_existing=True).reload()
-    own.note = f"{len(pictures)} pictures in {bpy.path.abspath(own.render_folder)}"
+    props.note = f"{len(pictures)} pictures in {bpy.path.abspath(props.render_folder)}"
 
 
 def show_farm_job(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -199,12 +199,12 @@ def _show_house(
     if before is None:
         _save_last(context, house)
     import_house(context, house)
-    own = fields(context)
-    own.house, own.contents = str(house), json.dumps(contents)
-    own.swap_path = own.swap_models = ""
+    props = fields(context)
+    props.house, props.contents = str(house), json.dumps(contents)
+    props.swap_path = props.swap_models = ""
     if before is None:  # another house, not this one changed
-        own.planned = "\n".join(report.planned(made))
-        own.warnings = "\n".join(report.warnings(made))
+        props.planned = "\n".join(report.planned(made))
+        props.warnings = "\n".join(report.warnings(made))
     if made.get("certificate"):
         show_certificate(context, made["certificate"])
 

@@ -37,7 +37,7 @@ def _show_library(context: bpy.types.Context, data: dict[str, Any]) -> None:
     """Enter the library in Blender's preferences, once."""
     folder = str(data["folder"])
     libraries = context.preferences.filepaths.asset_libraries
-    if not any(Path(bpy.path.abspath(one.path)) == Path(folder) for one in libraries):
+    if not any(Path(bpy.path.abspath(entry.path)) == Path(folder) for entry in libraries):
         libraries.new(name=library.NAME, directory=folder)
         context.preferences.is_dirty = True
     fields(context).note = f"{data['assets']} models in the asset browser, under {library.NAME}"

@@ -25,13 +25,13 @@ def build(folder: Path) -> int:
     for category, group in groups.items():
         bpy.ops.wm.read_factory_settings(use_empty=True)
         for model in group:
-            _tell(done, total)
+            _report(done, total)
             _add(model)
             done += 1
         bpy.ops.file.pack_all()
         bpy.ops.wm.save_as_mainfile(filepath=str(folder / f"{category}.blend"), compress=True)
     (folder / CATALOGS).write_text(catalogs(groups), encoding="utf-8")
-    _tell(total, total)
+    _report(total, total)
     return total
 
 
@@ -54,7 +54,7 @@ def _add(model: Model) -> None:
             bpy.ops.ed.lib_id_load_custom_preview(filepath=str(model.picture))
 
 
-def _tell(done: int, total: int) -> None:
+def _report(done: int, total: int) -> None:
     sys.stderr.write(json.dumps({"step": "library", "done": done, "total": total}) + "\n")
     sys.stderr.flush()
 

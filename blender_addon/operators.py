@@ -45,12 +45,12 @@ class ChordGenerate(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line, and the import that follows it."""
-        own = fields(context)
-        plan = own.outline if own.source == "OUTLINE" else own.plan
+        props = fields(context)
+        plan = props.outline if props.source == "OUTLINE" else props.plan
         settings = commands.GenerateSettings(
-            source=own.source,
+            source=props.source,
             plan=bpy.path.abspath(plan),
-            text=own.text,
+            text=props.text,
             options=_chosen(context),
         )
         name = commands.house_name(settings)
@@ -86,24 +86,24 @@ class ChordOpenHouse(JobOperator, bpy.types.Operator):
 
 
 class ChordRegenerate(JobOperator, bpy.types.Operator):
-    """Furnish the chosen room anew; locked pieces and the other rooms stay as they are"""
+    """Furnish the chosen room again; locked pieces and the other rooms stay as they are"""
 
     bl_idname = "chord.regenerate"
     bl_label = "Regenerate room"
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line, and the import that follows it."""
-        own, name = fields(context), chosen_room(context)
+        props, name = fields(context), chosen_room(context)
         seen = save_changes(context)
-        locked = [one for one in seen.changes.locked if is_piece(one) and room_of(one) == name]
-        names = [one.split("/")[-1] for one in locked]
+        locked = [path for path in seen.changes.locked if is_piece(path) and room_of(path) == name]
+        names = [path.split("/")[-1] for path in locked]
         seed = random.randrange(MAX_SEED)
         settings, wishes = {**_chosen(context), "seed": seed}, commands.RoomWishes()
         if WISHES_FROM in session.program(preferences(context).program).abilities:
-            wishes = commands.RoomWishes(own.wanted, own.unwanted)
+            wishes = commands.RoomWishes(props.wanted, props.unwanted)
         arguments = commands.regenerate(seen.house, name, settings, names, wishes)
         keep(seen.house)
-        own.rooms[own.room_index].seed = seed
+        props.rooms[props.room_index].seed = seed
         return arguments, partial(show_room, seen)
 
 
@@ -128,8 +128,8 @@ class ChordEditByWords(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """The command line, and the import that follows it."""
-        own, seen = fields(context), save_changes(context)
-        arguments = commands.edit(seen.house, own.sentence, bpy.path.abspath(own.asset_folders))
+        props, seen = fields(context), save_changes(context)
+        arguments = commands.edit(seen.house, props.sentence, bpy.path.abspath(props.asset_folders))
         keep(seen.house)
         return arguments, partial(show_edited, seen)
 
@@ -228,16 +228,16 @@ def _output_folder(field: str) -> Path:
 
 def render_settings(context: bpy.types.Context) -> commands.RenderSettings:
     """What the fields say of pictures. Raises InputError."""
-    own, size = fields(context), context.scene.render
-    room = "" if own.all_rooms else own.render_room
-    if not own.all_rooms and room not in own.rooms:
+    props, size = fields(context), context.scene.render
+    room = "" if props.all_rooms else props.render_room
+    if not props.all_rooms and room not in props.rooms:
         raise InputError("Choose the room to render, or all cameras.")
     share = size.resolution_percentage / 100
     return commands.RenderSettings(
         cameras=(room,) if room else (),
-        samples=own.samples,
+        samples=props.samples,
         resolution=(round(size.resolution_x * share), round(size.resolution_y * share)),
-        passes=tuple(name for name in commands.PASSES if name in own.passes),
+        passes=tuple(name for name in commands.PASSES if name in props.passes),
     )
 
 

@@ -47,8 +47,8 @@ class ChordPanel(_Part, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Source, button and state."""
-        own = fields(context)
-        state = panel_state(session.job, own.house, own.error)
+        props = fields(context)
+        state = panel_state(session.job, props.house, props.error)
         column = self.layout.column()
         column.enabled = state.can_start
         _draw_source(column, context)
@@ -61,10 +61,10 @@ class ChordPanel(_Part, bpy.types.Panel):
         if state.phase == "FAILED":
             _draw_text(self.layout.box(), state.message, "ERROR")
         if state.phase == "DONE":
-            _draw_made(self.layout, own)
-        if own.note:
-            _draw_text(self.layout, own.note, "INFO")
-        if own.house and Path(session.place_of(own.house)).is_relative_to(unsaved_folder()):
+            _draw_made(self.layout, props)
+        if props.note:
+            _draw_text(self.layout, props.note, "INFO")
+        if props.house and Path(session.place_of(props.house)).is_relative_to(unsaved_folder()):
             text = "The house is in a temporary folder until the Blender file is saved."
             _draw_text(self.layout, text, "INFO")
 
@@ -88,26 +88,28 @@ class ChordRoomsPanel(_HousePart, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """The list, and the chosen room below it."""
-        own, layout = fields(context), self.layout
-        layout.template_list("UI_UL_list", "chord_rooms", own, "rooms", own, "room_index", rows=4)
+        props, layout = fields(context), self.layout
+        layout.template_list(
+            "UI_UL_list", "chord_rooms", props, "rooms", props, "room_index", rows=4
+        )
         row = layout.row(align=True)
         row.operator("chord.frame_room", icon="VIEWZOOM")
         start = _when_idle(row.row(align=True))
         start.operator("chord.regenerate", icon="FILE_REFRESH")
         program = session.known_program(preferences(context).program)
         if program and WISHES_FROM in program.abilities:
-            layout.prop(own, "wanted", placeholder="desk, two chairs")
-            layout.prop(own, "unwanted", placeholder="sofa")
+            layout.prop(props, "wanted", placeholder="desk, two chairs")
+            layout.prop(props, "unwanted", placeholder="sofa")
         row = layout.row()
-        row.prop(own, "solo")
-        row.prop(own, "hide_ceilings")
-        if has_roof(line.path for line in own.objects):
-            layout.prop(own, "show_roof")
-        if storeys(line.path for line in own.objects):
-            layout.prop(own, "storey")
-        layout.prop(own.rooms[own.room_index], "light", slider=True)
+        row.prop(props, "solo")
+        row.prop(props, "hide_ceilings")
+        if has_roof(line.path for line in props.objects):
+            layout.prop(props, "show_roof")
+        if storeys(line.path for line in props.objects):
+            layout.prop(props, "storey")
+        layout.prop(props.rooms[props.room_index], "light", slider=True)
         looks = _when_idle(layout.column())
-        for look in report.looks(parsed(own.contents)):
+        for look in report.looks(parsed(props.contents)):
             if look.path in ("/House", chosen_path(context)):
                 _draw_look(looks, look)
         looks.operator("chord.shuffle_looks", icon="FILE_REFRESH")
@@ -125,19 +127,19 @@ class ChordWordsPanel(_HousePart, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a house, and a program that is told so."""
+        """Whether there is a house, and a program that takes changes in words."""
         program = session.known_program(preferences(context).program)
         return super().poll(context) and bool(program and EDITS_IN_WORDS in program.abilities)
 
     def draw(self, context: bpy.types.Context) -> None:
         """The sentence; what it was taken to mean, and the button that does it."""
-        own, layout = fields(context), self.layout
-        layout.prop(own, "sentence", text="", placeholder=SENTENCE)
+        props, layout = fields(context), self.layout
+        layout.prop(props, "sentence", text="", placeholder=SENTENCE)
         buttons = _when_idle(layout.column())
         buttons.operator("chord.read_sentence", icon="QUESTION")
-        if own.understood and own.understood_of == own.sentence:
+        if props.understood and props.understood_of == props.sentence:
             box = buttons.box()
-            for line in own.understood.splitlines():
+            for line in props.understood.splitlines():
                 _draw_text(box, line, "CHECKMARK")
             box.operator("chord.edit_by_words", icon="PLAY")
 
@@ -181,12 +183,12 @@ class ChordCertificatePanel(_HousePart, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """The verdict and the list of findings."""
-        own = fields(context)
+        props = fields(context)
         row = self.layout.row()
-        row.label(text=own.certificate or "Not checked yet")
+        row.label(text=props.certificate or "Not checked yet")
         start = _when_idle(row.row())
         start.operator("chord.check_house", icon="CHECKMARK")
-        for index, finding in enumerate(own.findings):
+        for index, finding in enumerate(props.findings):
             shown = self.layout.operator("chord.show_finding", text=finding.name, icon="ERROR")
             shown.index = index
 
@@ -199,16 +201,16 @@ class ChordRenderPanel(_HousePart, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Which pictures, and where they are made."""
-        own = fields(context)
-        self.layout.prop(own, "all_rooms")
-        if not own.all_rooms:
-            self.layout.prop_search(own, "render_room", own, "rooms", icon="CAMERA_DATA")
-        self.layout.prop(own, "samples")
-        self.layout.prop(own, "passes")
-        self.layout.prop(own, "render_folder")
+        props = fields(context)
+        self.layout.prop(props, "all_rooms")
+        if not props.all_rooms:
+            self.layout.prop_search(props, "render_room", props, "rooms", icon="CAMERA_DATA")
+        self.layout.prop(props, "samples")
+        self.layout.prop(props, "passes")
+        self.layout.prop(props, "render_folder")
         start = _when_idle(self.layout.row())
         start.operator("chord.render", icon="RENDER_STILL")
-        self.layout.prop(own, "farm_folder")
+        self.layout.prop(props, "farm_folder")
         start = _when_idle(self.layout.row())
         start.operator("chord.write_farm_job", icon="NETWORK_DRIVE")
 
@@ -236,55 +238,55 @@ def _when_idle(part: bpy.types.UILayout) -> bpy.types.UILayout:
 
 def _draw_source(column: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What the house is made from; ways that the program does not have are not offered."""
-    own = fields(context)
+    props = fields(context)
     program = session.known_program(preferences(context).program)
     abilities = program.abilities if program else frozenset()
     ways = [way for way, option in OFFERED_BY.items() if not option or option in abilities]
-    if len(ways) > 1 or own.source not in ways:
+    if len(ways) > 1 or props.source not in ways:
         row = column.row(align=True)
         for way in ways:
-            row.prop_enum(own, "source", way)
+            row.prop_enum(props, "source", way)
     lacking = program.lacking(filter(None, OFFERED_BY.values())) if program else ""
     if lacking:
         _draw_text(column, lacking, "INFO")
-    if own.source != "TEXT":
-        _draw_file(column, own, "plan" if own.source == "PLAN" else "outline")
-    if own.source != "PLAN":
-        hint = EXAMPLE if own.source == "TEXT" else "Which rooms, if you like"
-        column.prop(own, "text", text="", placeholder=hint)
+    if props.source != "TEXT":
+        _draw_file(column, props, "plan" if props.source == "PLAN" else "outline")
+    if props.source != "PLAN":
+        hint = EXAMPLE if props.source == "TEXT" else "Which rooms, if you like"
+        column.prop(props, "text", text="", placeholder=hint)
     for option in ROWS:
         is_of_files = option["name"] in OF_FILES
-        if (program and not program.has(option)) or (is_of_files and own.source == "TEXT"):
+        if (program and not program.has(option)) or (is_of_files and props.source == "TEXT"):
             continue
         row = column.row(align=True)
-        row.prop(own, option["name"])
+        row.prop(props, option["name"])
         if option["name"] == "seed":
             row.operator("chord.dice", text="", icon="FILE_REFRESH")
 
 
-def _draw_file(column: bpy.types.UILayout, own: bpy.types.PropertyGroup, field: str) -> None:
+def _draw_file(column: bpy.types.UILayout, props: bpy.types.PropertyGroup, field: str) -> None:
     """A file to choose, and its thumbnail."""
-    column.prop(own, field, text="")
-    chosen = getattr(own, field)
+    column.prop(props, field, text="")
+    chosen = getattr(props, field)
     thumbnail = icon(Path(bpy.path.abspath(chosen))) if chosen else 0
     if thumbnail:
         column.template_icon(icon_value=thumbnail, scale=PLAN_SCALE)
 
 
-def _draw_made(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup) -> None:
+def _draw_made(layout: bpy.types.UILayout, props: bpy.types.PropertyGroup) -> None:
     """What was understood of a text, what was planned, and what is not as it was asked for."""
-    if own.planned or own.warnings:
+    if props.planned or props.warnings:
         box = layout.box()
-        for line in own.planned.splitlines():
+        for line in props.planned.splitlines():
             _draw_text(box, line, "CHECKMARK")
-        for line in own.warnings.splitlines():
+        for line in props.warnings.splitlines():
             _draw_text(box, line, "ERROR")
 
 
 def _draw_pieces(layout: bpy.types.UILayout, context: bpy.types.Context, pieces: Objects) -> None:
     """A line for each piece; models to choose from below the one that is to be swapped."""
-    own = fields(context)
-    looks, models = report.looks(parsed(own.contents)), report.models(parsed(own.contents))
+    props = fields(context)
+    looks, models = report.looks(parsed(props.contents)), report.models(parsed(props.contents))
     for path, item in pieces.items():
         row = layout.row(align=True)
         name = report.spaced(path.split("/")[-1])
@@ -294,19 +296,19 @@ def _draw_pieces(layout: bpy.types.UILayout, context: bpy.types.Context, pieces:
         start = _when_idle(row.row(align=True))
         start.operator("chord.find_models", text="", icon="UV_SYNC_SELECT").path = path
         row.operator("chord.delete_piece", text="", icon="TRASH").path = path
-        if piece_of(own.swap_path) == path:
-            if told := arranged(own_objects(context), path):
-                _draw_text(layout, told, "INFO")
+        if piece_of(props.swap_path) == path:
+            if text := arranged(own_objects(context), path):
+                _draw_text(layout, text, "INFO")
             box = _when_idle(layout.box())
-            _draw_models(box, own, models.get(own.swap_path, ""))
+            _draw_models(box, props, models.get(props.swap_path, ""))
             for look in looks:
-                if look.path == own.swap_path:
+                if look.path == props.swap_path:
                     _draw_look(box, look)
 
 
-def _draw_models(box: bpy.types.UILayout, own: bpy.types.PropertyGroup, worn: str) -> None:
+def _draw_models(box: bpy.types.UILayout, props: bpy.types.PropertyGroup, worn: str) -> None:
     """What could stand in a piece's place, but for the model that does."""
-    for index, model in enumerate(swaps.candidates(parsed(own.swap_models))):
+    for index, model in enumerate(swaps.candidates(parsed(props.swap_models))):
         if model.id == worn:
             continue
         row = box.row()

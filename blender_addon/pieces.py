@@ -92,7 +92,7 @@ class ChordSelectPiece(_PieceOperator, bpy.types.Operator):
 
 
 class ChordLockPiece(_PieceOperator, bpy.types.Operator):
-    """Let the piece stay, or not, when its room is furnished anew, with what it rests on"""
+    """Let the piece stay, or not, when its room is furnished again, with its carrier"""
 
     bl_idname = "chord.lock_piece"
     bl_label = "Lock"
@@ -152,17 +152,17 @@ class ChordSwap(JobOperator, bpy.types.Operator):
 
     def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
         """Saves the swap, and brings the house in again."""
-        own = fields(context)
-        offered = swaps.candidates(parsed(own.swap_models))
+        props = fields(context)
+        offered = swaps.candidates(parsed(props.swap_models))
         objects = own_objects(context)
-        if own.swap_path not in objects or not 0 <= self.index < len(offered):
+        if props.swap_path not in objects or not 0 <= self.index < len(offered):
             raise InputError("This piece is not in the scene any more.")
         seen = save_changes(context)
         chosen = offered[self.index]
         usd = swaps.bring_model(chosen.usd, seen.house, chosen.shared)
-        slot = _slot(objects[own.swap_path], seen.changes, own.swap_path)
-        density = float(objects[own.swap_path].get(DENSITY_KEY, 0.0))
-        swap = swaps.swap_for(chosen, slot, usd, _colour(context, own.swap_path), density)
+        slot = _slot(objects[props.swap_path], seen.changes, props.swap_path)
+        density = float(objects[props.swap_path].get(DENSITY_KEY, 0.0))
+        swap = swaps.swap_for(chosen, slot, usd, _colour(context, props.swap_path), density)
         return rebuild(seen, _with_swap(context, seen.changes, swap, chosen.size_m))
 
 
@@ -213,11 +213,11 @@ class ChordFrameRoom(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Selects, and frames where there is a 3-D view."""
-        found = objects_at(context, [chosen_path(context)])
-        if not found:
+        objects = objects_at(context, [chosen_path(context)])
+        if not objects:
             self.report({"ERROR"}, "The room is not in this scene any more.")
             return {"CANCELLED"}
-        select(context, found)
+        select(context, objects)
         return {"FINISHED"}
 
 
@@ -232,19 +232,19 @@ class ChordShowFinding(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Selects, and frames where there is a 3-D view."""
-        own = fields(context)
-        if not 0 <= self.index < len(own.findings):
+        props = fields(context)
+        if not 0 <= self.index < len(props.findings):
             return {"CANCELLED"}
-        own.finding_index = self.index
-        paths = own.findings[self.index].paths.splitlines()
+        props.finding_index = self.index
+        paths = props.findings[self.index].paths.splitlines()
         select(context, objects_at(context, paths))
         return {"FINISHED"}
 
 
 def _offer(path: str, context: bpy.types.Context, data: dict[str, Any]) -> None:
     """Show the models that could take the place of a piece."""
-    own = fields(context)
-    own.swap_path, own.swap_models = path, json.dumps(data)
+    props = fields(context)
+    props.swap_path, props.swap_models = path, json.dumps(data)
 
 
 def _slot(item: bpy.types.Object, changes: Changes, path: str) -> Size:
@@ -275,11 +275,11 @@ def _with_swap(context: bpy.types.Context, changes: Changes, swap: Swap, own_m: 
         raised = swaps.raised(placement(objects, carried), by_m)
         pieces[carried] = Edit(was[carried], raised)
     top_m = placement(objects, piece_of(path))[2][3] + own_height_m
-    for one in with_resting(objects, piece_of(path))[1:]:
-        its = placement(objects, one)
+    for resting in with_resting(objects, piece_of(path))[1:]:
+        its = placement(objects, resting)
         if its[2][3] >= top_m - ON_TOP_M:
-            pieces[one] = Edit(was[one], swaps.raised(its, by_m))
-    # Its own colour is told with the swap.
+            pieces[resting] = Edit(was[resting], swaps.raised(its, by_m))
+    # The swap states its own colour.
     looks = {key: chosen for key, chosen in changes.looks.items() if key != path}
     return replace(changes, pieces=pieces, looks=looks)
 

@@ -11,11 +11,11 @@ LINE_LETTERS = 90
 """Letters that fit a line of the preferences."""
 
 
-def _ask_ahead(own: ChordPreferences, _context: bpy.types.Context) -> None:
+def _ask_ahead(settings: ChordPreferences, _context: bpy.types.Context) -> None:
     """The panel offers what the program can, as soon as there is one."""
     from .session import session
 
-    session.ask_ahead(own.program)
+    session.ask_ahead(settings.program)
 
 
 class ChordPreferences(bpy.types.AddonPreferences):
@@ -52,15 +52,15 @@ class ChordCheckProgram(bpy.types.Operator):
         """Leaves the answer in the preferences."""
         from .session import session
 
-        own = preferences(context)
+        settings = preferences(context)
         session.forget_programs()
         try:
-            own.answer = f"Found {session.program(own.program).label}"
+            settings.answer = f"Found {session.program(settings.program).label}"
         except ProgramError as error:
-            own.answer = str(error)
+            settings.answer = str(error)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, own.answer)
+        self.report({"INFO"}, settings.answer)
         return {"FINISHED"}
 
 

@@ -29,18 +29,18 @@ def _show_light(room: ChordRoom, context: bpy.types.Context) -> None:
     set_light(context, room.name, room.light)
 
 
-def _show_solo(_own: ChordScene, context: bpy.types.Context) -> None:
+def _show_solo(_props: ChordScene, context: bpy.types.Context) -> None:
     from .house import show_rooms
 
     show_rooms(context)
 
 
-def _choose_room(own: ChordScene, context: bpy.types.Context) -> None:
-    own.render_room = chosen_room(context)
-    _show_solo(own, context)
+def _choose_room(props: ChordScene, context: bpy.types.Context) -> None:
+    props.render_room = chosen_room(context)
+    _show_solo(props, context)
 
 
-def _show_ceilings(_own: ChordScene, context: bpy.types.Context) -> None:
+def _show_ceilings(_props: ChordScene, context: bpy.types.Context) -> None:
     from .house import show_ceilings
 
     show_ceilings(context)
@@ -98,7 +98,7 @@ def _property(row: Mapping[str, Any]) -> Any:
 
 
 class ChordScene(bpy.types.PropertyGroup):
-    """The panel's fields; those of the option table follow below."""
+    """The panel's fields; the option table's fields follow below."""
 
     source: bpy.props.EnumProperty(  # type: ignore[valid-type]
         name="From",
@@ -153,10 +153,10 @@ class ChordScene(bpy.types.PropertyGroup):
         update=_show_solo,
     )
     wanted: bpy.props.StringProperty(  # type: ignore[valid-type]
-        name="With", description="Pieces that a room furnished anew shall hold, in words"
+        name="With", description="Pieces that a refurnished room must hold, in words"
     )
     unwanted: bpy.props.StringProperty(  # type: ignore[valid-type]
-        name="Without", description="Pieces that a room furnished anew shall not hold, in words"
+        name="Without", description="Pieces that a refurnished room must not hold, in words"
     )
     sentence: bpy.props.StringProperty(  # type: ignore[valid-type]
         name="Change", description="A change to the house, in words"
@@ -188,7 +188,7 @@ class ChordScene(bpy.types.PropertyGroup):
     samples: bpy.props.IntProperty(name="Samples", default=128, min=1)  # type: ignore[valid-type]
     passes: bpy.props.EnumProperty(  # type: ignore[valid-type]
         name="Passes",
-        items=[(name, *told) for name, told in PASSES.items()],
+        items=[(name, *labels) for name, labels in PASSES.items()],
         options={"ENUM_FLAG"},
         default={"rgb"},
     )
@@ -210,8 +210,8 @@ ChordScene.__annotations__ |= {row["name"]: _property(row) for row in ROWS}
 
 def chosen_options(context: bpy.types.Context) -> dict[str, Any]:
     """Values of the option table's fields, by name; a folder as its full path."""
-    own = fields(context)
-    values = {row["name"]: getattr(own, row["name"]) for row in ROWS}
+    props = fields(context)
+    values = {row["name"]: getattr(props, row["name"]) for row in ROWS}
     values = {name: "" if value == "NONE" else value for name, value in values.items()}
     return values | {FOLDERS: bpy.path.abspath(values[FOLDERS])}
 
@@ -229,8 +229,8 @@ def parsed(text: str) -> dict[str, Any]:
 
 def chosen_room(context: bpy.types.Context) -> str:
     """Name of the room chosen in the list; empty where there is none."""
-    own = fields(context)
-    return own.rooms[own.room_index].name if 0 <= own.room_index < len(own.rooms) else ""
+    props = fields(context)
+    return props.rooms[props.room_index].name if 0 <= props.room_index < len(props.rooms) else ""
 
 
 _register, _unregister = bpy.utils.register_classes_factory(

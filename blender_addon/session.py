@@ -61,7 +61,7 @@ class Session:
         """Ask the program in a thread, so that nobody waits for its answer."""
 
         def ask() -> None:
-            with suppress(ProgramError):  # told when it is needed
+            with suppress(ProgramError):  # reported when it is needed
                 self.program(preference)
 
         threading.Thread(target=ask, daemon=True).start()
@@ -74,12 +74,12 @@ class Session:
     def start_command(
         self, context: bpy.types.Context, command: Sequence[str], finish: Finish
     ) -> None:
-        """Start a job of another program that tells of itself as chord-usd does."""
+        """Start a job of another program that reports progress as chord-usd does."""
         self.job = Job(command)
         self._finish = finish
         self._scene_uid = context.scene.session_uid
-        own = fields(context)
-        own.error = own.note = ""
+        props = fields(context)
+        props.error = props.note = ""
         self.job.start()
         if not bpy.app.timers.is_registered(self._tick):
             bpy.app.timers.register(self._tick, first_interval=POLL_EVERY_S, persistent=True)

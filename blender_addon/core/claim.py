@@ -25,7 +25,7 @@ class Claims:
         folder = folder.absolute()
         if folder in self._held:
             return True
-        missing = [one for one in (folder, *folder.parents) if not one.exists()]
+        missing = [path for path in (folder, *folder.parents) if not path.exists()]
         try:
             folder.mkdir(parents=True, exist_ok=True)
             file = (folder / LOCK).open("a", encoding="utf-8")
@@ -60,14 +60,14 @@ class Claims:
                 (folder / LOCK).unlink()  # before it is free, so that nobody locks what is gone
             self._held.pop(folder).close()
             with suppress(OSError):
-                for one in self._made.pop(folder):  # rmdir removes no folder that holds anything
-                    one.rmdir()
+                for path in self._made.pop(folder):  # rmdir removes no folder that holds anything
+                    path.rmdir()
 
     def release(self, *, but_empty: bool = False) -> None:
         """Let go of all of them. but_empty: not of those that a job may be writing yet."""
         if not but_empty:
             self.drop_empty()
-        for folder in [one for one in self._held if not _holds_nothing(one)]:
+        for folder in [held for held in self._held if not _holds_nothing(held)]:
             self._held.pop(folder).close()
             self._made.pop(folder)
 
@@ -78,7 +78,7 @@ def _holds_nothing(folder: Path) -> bool:
     A folder that cannot be read counts as empty: the program says why it cannot write there.
     """
     try:
-        return all(one.name == LOCK for one in folder.iterdir())
+        return all(entry.name == LOCK for entry in folder.iterdir())
     except NotADirectoryError:
         return not folder.parent.is_dir()
     except OSError:

@@ -49,7 +49,7 @@ _REPORT = ("--json", "--progress", "json")
 
 @dataclass(frozen=True)
 class RoomWishes:
-    """The panel's fields for what a room shall hold and what not, in words."""
+    """The panel's fields of wanted and unwanted pieces of a room, in words."""
 
     wanted: str = ""
     unwanted: str = ""
@@ -101,7 +101,7 @@ def regenerate(
     keep: Sequence[str] = (),
     wishes: RoomWishes | None = None,
 ) -> list[str]:
-    """Arguments that furnish one room of the house anew, around the pieces that are kept.
+    """Arguments that furnish one room of the house again, around the pieces that are kept.
 
     keep: names of the pieces' prims. Raises InputError.
     """
@@ -131,7 +131,7 @@ def regenerate(
 def edit(house: Path, sentence: str, assets: str = "", *, only_read: bool = False) -> list[str]:
     """Arguments that change the house, as it is seen with its changes, as a sentence says.
 
-    only_read: only tell what is understood. Raises InputError.
+    only_read: only report what is understood. Raises InputError.
     """
     if not sentence.strip():
         raise InputError("No change is given: write one in words.")

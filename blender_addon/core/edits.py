@@ -1,6 +1,6 @@
 """What an artist changes in a house: pieces moved, removed or swapped, looks, lights, locks.
 
-Changes are told against the house itself, so that what was undone is no change any more.
+Changes are relative to the house itself, so that an undone change is no change any more.
 """
 
 from __future__ import annotations
@@ -67,9 +67,9 @@ class Changes:
     looks: Mapping[str, Looks] = field(default_factory=dict)
     """Of rooms, of the house, and of pieces that are not swapped."""
     lights: Mapping[str, float] = field(default_factory=dict)
-    """Brightness against that of the house, above 0."""
+    """Brightness as a share of the house's, above 0."""
     locked: tuple[str, ...] = ()
-    """Pieces that stay when their room is furnished anew."""
+    """Pieces that stay when their room is furnished again."""
 
     @property
     def is_nothing(self) -> bool:
@@ -90,16 +90,16 @@ def moves(
     was: placements in the house itself; now: in the scene. What stood on a removed piece is gone
     with it.
     """
-    found: dict[str, Edit] = {}
+    edits: dict[str, Edit] = {}
     gone = {path for path in was if path not in now}
     for path, placed in was.items():
         if any(above in gone for above in _above(path)):
             continue
         if path in gone:
-            found[path] = Edit(placed, None)
+            edits[path] = Edit(placed, None)
         elif path in swaps or not same(placed, now[path]):
-            found[path] = Edit(placed, now[path], swaps.get(path))
-    return found
+            edits[path] = Edit(placed, now[path], swaps.get(path))
+    return edits
 
 
 def placements_of_house(seen: Mapping[str, Matrix], changes: Changes) -> dict[str, Matrix]:
@@ -116,12 +116,12 @@ def placements_of_house(seen: Mapping[str, Matrix], changes: Changes) -> dict[st
 
 
 def without_room(changes: Changes, room: str) -> Changes:
-    """The changes after a room was furnished anew: there, only locked pieces keep theirs."""
+    """The changes after a room was furnished again: there, only locked pieces keep theirs."""
 
     def stays(path: str) -> bool:
-        own = [path, *_above(path)]
+        lineage = [path, *_above(path)]
         is_meant = is_placed(path) and room_of(path) == room
-        return not is_meant or any(locked in own for locked in changes.locked)
+        return not is_meant or any(locked in lineage for locked in changes.locked)
 
     return replace(
         changes,
@@ -131,7 +131,7 @@ def without_room(changes: Changes, room: str) -> Changes:
 
 
 def without_pieces(changes: Changes, paths: Iterable[str]) -> Changes:
-    """The changes without those of some pieces: the house itself has them now."""
+    """The changes without some pieces' changes: the house itself has them now."""
     gone = frozenset(paths)
     kept = {path: edit for path, edit in changes.pieces.items() if path not in gone}
     return replace(changes, pieces=kept)
@@ -180,11 +180,11 @@ def with_look(changes: Changes, path: str, variant_set: str, variant: str) -> Ch
     if edit and edit.swap:
         swap = replace(edit.swap, looks={**edit.swap.looks, variant_set: variant})
         return replace(changes, pieces={**changes.pieces, path: replace(edit, swap=swap)})
-    own = {**changes.looks.get(path, {}), variant_set: variant}
-    return replace(changes, looks={**changes.looks, path: own})
+    choices = {**changes.looks.get(path, {}), variant_set: variant}
+    return replace(changes, looks={**changes.looks, path: choices})
 
 
-def told(changes: Changes) -> dict[str, Any]:
+def to_json(changes: Changes) -> dict[str, Any]:
     """The changes as JSON holds them."""
     return {
         "schema": SCHEMA,

@@ -140,8 +140,10 @@ class Job:
         if not text:
             return
         try:
-            told = json.loads(text)
-            self.progress = Progress(str(told["step"]), int(told["done"]), int(told["total"]))
+            message = json.loads(text)
+            self.progress = Progress(
+                str(message["step"]), int(message["done"]), int(message["total"])
+            )
         except (ValueError, KeyError, TypeError):
             self._said.append(text)
 
@@ -178,11 +180,11 @@ def last_report(lines: Sequence[str]) -> dict[str, Any] | None:
     """The last line that is a JSON object; Blender says other things before and after it."""
     for line in reversed(lines):
         try:
-            told = json.loads(line)
+            report = json.loads(line)
         except ValueError:
             continue
-        if isinstance(told, dict):
-            return told
+        if isinstance(report, dict):
+            return report
     return None
 
 

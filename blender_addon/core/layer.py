@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .edits import Changes, Edit, Looks, Matrix, Swap, told, understood
+from .edits import Changes, Edit, Looks, Matrix, Swap, to_json, understood
 from .errors import InputError
 
 SUFFIX = ".edits.usda"
@@ -67,16 +67,16 @@ def house_of(opened: Path) -> Path:
 
 
 def roof_of(house: Path) -> str:
-    """The roof that a house can wear, by the payload beside it; empty for none."""
+    """The roof that a house offers, by the payload beside it; empty for none."""
     payloads = sorted(house.parent.glob(f"{house.stem}_architecture/Roof_*.usdc"))
     return payloads[0].stem.removeprefix("Roof_") if payloads else ""
 
 
 def roofed_text(opened: Path, roof: str) -> str:
-    """A layer over a stage, anywhere, in which the house wears a roof."""
-    own = _Over(metadata=_variants({"roof": roof}))
+    """A layer over a stage, anywhere, that selects the roof of the house."""
+    root = _Over(metadata=_variants({"roof": roof}))
     head = _ROOFED_HEAD.format(root=ROOT, stage=opened.resolve().as_posix())
-    return "\n".join([head, *own.lines(ROOT, ""), ""])
+    return "\n".join([head, *root.lines(ROOT, ""), ""])
 
 
 def read_changes(house: Path) -> Changes:
@@ -110,7 +110,7 @@ def mend_layer(house: Path) -> None:
     Raises InputError, OSError.
     """
     changes = _read(edits_file(house))
-    if changes is not None and json.loads(json.dumps(told(changes))) != _data(edits_file(house)):
+    if changes is not None and json.loads(json.dumps(to_json(changes))) != _data(edits_file(house)):
         write_changes(house, changes)
 
 
@@ -148,8 +148,8 @@ class _Over:
         """As USD writes it."""
         head = [f'{pad}over "{name}"']
         if self.metadata:
-            own = [f"{pad}    {line}" for line in self.metadata]
-            head = [f'{pad}over "{name}" (', *own, f"{pad})"]
+            metadata = [f"{pad}    {line}" for line in self.metadata]
+            head = [f'{pad}over "{name}" (', *metadata, f"{pad})"]
         body = [f"{pad}    {line}" for line in self.properties]
         for child, over in self.below.items():
             body += over.lines(child, pad + "    ")
@@ -168,7 +168,7 @@ def layer_text(house_name: str, changes: Changes) -> str:
         # Exposure multiplies, so that day and evening keep their difference.
         top.at(path).properties.append(f"float inputs:exposure = {math.log2(strength):.9g}")
     head = _HEAD.format(
-        mark=_MARK, edits=json.dumps(told(changes)), end=_END, root=ROOT, house=house_name
+        mark=_MARK, edits=json.dumps(to_json(changes)), end=_END, root=ROOT, house=house_name
     )
     lines = [line for name, over in top.below.items() for line in over.lines(name, "")]
     return head + "\n" + "\n".join(lines) + "\n"

@@ -50,7 +50,7 @@ def _is_free_or_ours(folder: Path) -> bool:
         return True
     if not folder.is_dir():
         return False
-    held = {one.name for one in folder.iterdir()}
+    held = {entry.name for entry in folder.iterdir()}
     if not held:
         return True
     try:
@@ -83,9 +83,9 @@ def models(folder: Path) -> dict[str, list[Model]]:
     """The models in a library's folder by category. Raises OSError, ValueError or KeyError."""
     home = folder / MODELS
     entries = json.loads((home / INDEX).read_text(encoding="utf-8"))["assets"]
-    found: dict[str, list[Model]] = {}
+    by_category: dict[str, list[Model]] = {}
     for entry in entries:
-        found.setdefault(entry["category"], []).append(
+        by_category.setdefault(entry["category"], []).append(
             Model(
                 id=entry["id"],
                 category=entry["category"],
@@ -95,7 +95,7 @@ def models(folder: Path) -> dict[str, list[Model]]:
                 author=entry.get("author", ""),
             )
         )
-    return found
+    return by_category
 
 
 def catalog_id(category: str) -> str:

@@ -16,7 +16,7 @@ OLDEST = (0, 1, 0)
 """The first version whose files and reports this panel understands."""
 
 HOW_TO_GET = (
-    "Install chord-usd into a Python 3.11 environment (its README tells how) and give the path of "
+    "Install chord-usd into a Python 3.11 environment (see its README) and give the path of "
     "its chord-usd program, or of that Python, in the preferences of this extension"
 )
 
@@ -32,10 +32,10 @@ OPTIONAL = {
 """Options of `generate` and `edit` that not every version has, and what each is there to do."""
 
 WISHES_FROM = "--furniture"
-"""Versions with this option can be told what a room shall hold, and what not."""
+"""Versions with this option take wanted and unwanted pieces of a room."""
 
 EDITS_IN_WORDS = "--dry-run"
-"""Versions with this option are told changes in words."""
+"""Versions with this option take changes in words."""
 
 ANSWER_WITHIN_S = 20.0
 
@@ -78,7 +78,7 @@ class Program:
 
     def lacking(self, options: Iterable[str]) -> str:
         """What this version is too old to do of some of OPTIONAL, as a sentence; else empty."""
-        missing = [OPTIONAL[one] for one in options if one not in self.abilities]
+        missing = [OPTIONAL[option] for option in options if option not in self.abilities]
         if not missing:
             return ""
         return f"{self.name} cannot {' or '.join(missing)} yet. Update it where it is installed."
@@ -115,12 +115,12 @@ def candidates() -> list[Path]:
     """Where chord-usd usually is: on the path, in an active environment, in the user's folder."""
     name = "chord-usd.exe" if sys.platform == "win32" else "chord-usd"
     folder = "Scripts" if sys.platform == "win32" else "bin"
-    found = [Path(path) for path in [shutil.which("chord-usd")] if path]
+    paths = [Path(path) for path in [shutil.which("chord-usd")] if path]
     roots = [os.environ.get("VIRTUAL_ENV"), os.environ.get("CONDA_PREFIX")]
     homes = [Path(root) / folder for root in roots if root]
     homes += [Path.home() / ".local" / "bin", Path.home() / "chord-usd" / ".venv" / folder]
-    found += [home / name for home in homes if (home / name).is_file()]
-    return list(dict.fromkeys(found))
+    paths += [home / name for home in homes if (home / name).is_file()]
+    return list(dict.fromkeys(paths))
 
 
 def command_of(path: Path) -> tuple[str, ...]:
@@ -147,15 +147,15 @@ def ask(command: Sequence[str]) -> Program:
     Raises ProgramError where it does not answer as chord-usd does, or is too old.
     """
     answer = _answer(command, ["--version"])
-    found = _VERSION.search(answer.stdout)
-    if answer.returncode or not found:
+    match = _VERSION.search(answer.stdout)
+    if answer.returncode or not match:
         said = (answer.stderr.strip() or answer.stdout.strip() or "nothing").splitlines()[-1]
         raise ProgramError(f"{command[0]} is not chord-usd (it said: {said}). {HOW_TO_GET}.")
-    version = int(found[1]), int(found[2]), int(found[3])
+    version = int(match[1]), int(match[2]), int(match[3])
     if version < OLDEST:
         wanted = ".".join(map(str, OLDEST))
         raise ProgramError(
-            f"{found[0]} is too old for this panel, which needs {wanted} or newer. Update it where "
+            f"{match[0]} is too old for this panel, which needs {wanted} or newer. Update it where "
             "it is installed."
         )
     helps = (_answer(command, [verb, "--help"]).stdout for verb in ("generate", "edit"))

@@ -18,7 +18,7 @@ class Finding:
 
 def findings(report: Mapping[str, Any]) -> list[Finding]:
     """What `check --json` complains about, worst first. Unknown keys are passed over."""
-    found = [
+    entries = [
         Finding(f"{short(pair['a'])} and {short(pair['b'])} collide", (pair["a"], pair["b"]))
         for pair in report.get("collisions", ())
     ]
@@ -28,32 +28,32 @@ def findings(report: Mapping[str, Any]) -> list[Finding]:
         ("unsupported", "hangs in the air"),
         ("empty_rooms", "is empty"),
     ):
-        found += [Finding(f"{short(path)} {words}", (path,)) for path in report.get(key, ())]
+        entries += [Finding(f"{short(path)} {words}", (path,)) for path in report.get(key, ())]
     for room in report.get("unreachable", ()):
-        found.append(Finding(f"{short(room['path'])} cannot be reached", (room["path"],)))
-    for told in report.get("stairs", ()):
-        found.append(Finding(short(told), (told.split(" ")[0],)))
+        entries.append(Finding(f"{short(room['path'])} cannot be reached", (room["path"],)))
+    for fault in report.get("stairs", ()):
+        entries.append(Finding(short(fault), (fault.split(" ")[0],)))
     for error in report.get("errors", ()):
         path = str(error.get("path", ""))
-        found.append(Finding(f"{error.get('rule')}: {error.get('message')}", (path,)))
-    return found
+        entries.append(Finding(f"{error.get('rule')}: {error.get('message')}", (path,)))
+    return entries
 
 
 def planned(report: Mapping[str, Any]) -> list[str]:
     """What `generate --json` understood and planned, in words; nothing for a plan."""
-    told = report.get("planned")
-    if not told:
+    plan = report.get("planned")
+    if not plan:
         return []
-    rooms = "1 room" if told["rooms"] == 1 else f"{told['rooms']} rooms"
-    wish = [f"Understood: {told['understood']}"] if told.get("understood") else []
-    return [*wish, f"Planned: {rooms}, {told['area_m2']:.0f} m²"]
+    rooms = "1 room" if plan["rooms"] == 1 else f"{plan['rooms']} rooms"
+    wish = [f"Understood: {plan['understood']}"] if plan.get("understood") else []
+    return [*wish, f"Planned: {rooms}, {plan['area_m2']:.0f} m²"]
 
 
 def understood(report: Mapping[str, Any]) -> list[str]:
     """What `edit --dry-run --json` takes a sentence to mean, a line for each change."""
     slips = [f"Read {slip}" for slip in report.get("read_as", ())]
-    told = [str(one["told"]) for one in report["understood"]]
-    return [*slips, *(f"{text[:1].upper()}{text[1:]}" for text in told)]
+    texts = [str(entry["told"]) for entry in report["understood"]]
+    return [*slips, *(f"{text[:1].upper()}{text[1:]}" for text in texts)]
 
 
 def warnings(report: Mapping[str, Any]) -> list[str]:
@@ -65,8 +65,8 @@ def headline(report: Mapping[str, Any]) -> str:
     """The certificate in one line."""
     count = len(findings(report))
     walkable = float(report.get("walkable", 0.0))
-    told = "1 finding" if count == 1 else f"{count} findings"
-    verdict = "Certified" if report.get("holds", report.get("valid")) and not count else told
+    text = "1 finding" if count == 1 else f"{count} findings"
+    verdict = "Certified" if report.get("holds", report.get("valid")) and not count else text
     return f"{verdict}; {walkable:.0%} of the floor is walkable"
 
 
@@ -110,22 +110,24 @@ def spaced(name: str) -> str:
 
 
 def looks(contents: Mapping[str, Any]) -> list[Look]:
-    """All choices of a house that `describe --json` tells of, those of the house first.
+    """All choices of a house in the report of `describe --json`, the house's own first.
 
     The colours of its pieces are among them.
     """
-    found = _choices("/House", contents.get("looks", {}))
+    choices = _choices("/House", contents.get("looks", {}))
     for room in contents.get("rooms", ()):
-        found += _choices(room["path"], room.get("looks", {}))
+        choices += _choices(room["path"], room.get("looks", {}))
         for piece in _pieces(room):
-            found += _choices(piece["component"], piece.get("looks", {}))
-    return found
+            choices += _choices(piece["component"], piece.get("looks", {}))
+    return choices
 
 
 def is_offered(contents: Mapping[str, Any], path: str, variant_set: str, variant: str) -> bool:
     """Whether a room, a piece or the house has this choice."""
-    own = (look for look in looks(contents) if (look.path, look.variant_set) == (path, variant_set))
-    return any(variant in look.offered for look in own)
+    matches = (
+        look for look in looks(contents) if (look.path, look.variant_set) == (path, variant_set)
+    )
+    return any(variant in look.offered for look in matches)
 
 
 def models(contents: Mapping[str, Any]) -> dict[str, str]:
@@ -138,13 +140,13 @@ def models(contents: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _pieces(room: Mapping[str, Any]) -> list[Any]:
-    """Furniture and dressing; older programs tell of no dressing."""
+    """Furniture and dressing; older programs report no dressing."""
     return [*room.get("furniture", ()), *room.get("dressing", ())]
 
 
-def _choices(path: str, told: Mapping[str, Any]) -> list[Look]:
+def _choices(path: str, offered: Mapping[str, Any]) -> list[Look]:
     return [
         Look(path, name, choice["chosen"], tuple(choice["offered"]))
-        for name, choice in told.items()
+        for name, choice in offered.items()
         if len(choice["offered"]) > 1
     ]

@@ -19,7 +19,7 @@ KEPT = 32
 
 
 def revision(house: Path) -> str:
-    """What tells this state of the house from others. Raises OSError."""
+    """Hash that identifies this state of the house. Raises OSError."""
     return hashlib.sha256(house.read_bytes()).hexdigest()
 
 
@@ -32,8 +32,8 @@ def keep(house: Path) -> None:
     shutil.copyfile(house, partial)
     partial.replace(copy)
     name = re.compile(rf"{re.escape(house.stem)}-[0-9a-f]{{16}}{re.escape(house.suffix)}")
-    own = [one for one in folder.iterdir() if name.fullmatch(one.name)]
-    for old in sorted(own, key=lambda one: one.stat().st_mtime_ns)[:-KEPT]:
+    copies = [entry for entry in folder.iterdir() if name.fullmatch(entry.name)]
+    for old in sorted(copies, key=lambda path: path.stat().st_mtime_ns)[:-KEPT]:
         old.unlink()
 
 

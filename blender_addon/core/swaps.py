@@ -51,11 +51,11 @@ class Candidate:
 
 
 def candidates(report: Mapping[str, Any]) -> list[Candidate]:
-    """What `assets nearest --json` tells, in its order."""
-    found = []
+    """The candidates in the report of `assets nearest --json`, in its order."""
+    entries = []
     for asset in report.get("assets", ()):
         fits = asset["fits"]
-        found.append(
+        entries.append(
             Candidate(
                 id=str(asset["id"]),
                 usd=Path(asset["usd"]),
@@ -67,7 +67,7 @@ def candidates(report: Mapping[str, Any]) -> list[Candidate]:
                 shared=tuple(Path(file) for file in asset.get("shared", ())),
             )
         )
-    return found
+    return entries
 
 
 def swap_for(
@@ -91,7 +91,7 @@ def placed(matrix: Matrix, before: Swap | None, swap: Swap, own_m: Size) -> Matr
     turn = _turn(matrix)
     back = before.offset_m if before else (0.0, 0.0)
     x, y = (new - old for new, old in zip(swap.offset_m, back, strict=True))
-    scale = [size / own for size, own in zip(swap.size_m, own_m, strict=True)]
+    scale = [size / unscaled for size, unscaled in zip(swap.size_m, own_m, strict=True)]
     rows = []
     for row in range(3):
         shift = turn[row][0] * x + turn[row][1] * y
@@ -131,8 +131,8 @@ def bring_model(usd: Path, house: Path, shared: Sequence[Path] = ()) -> str:
 
 def _model_files(folder: Path) -> list[Path]:
     """What lies in a folder and can be part of a model, relative to it."""
-    found = (one for one in folder.rglob("*") if one.suffix.lower() in MODEL_SUFFIXES)
-    return [one.relative_to(folder) for one in found if one.is_file() and not one.is_symlink()]
+    files = (file for file in folder.rglob("*") if file.suffix.lower() in MODEL_SUFFIXES)
+    return [file.relative_to(folder) for file in files if file.is_file() and not file.is_symlink()]
 
 
 def _is_in_the_way(target: Path, source: Path, files: list[Path]) -> bool:
@@ -150,7 +150,7 @@ def _is_in_the_way(target: Path, source: Path, files: list[Path]) -> bool:
 
 def _bring(usd: Path, files: list[Path], target: Path) -> None:
     """Copy what is not there, each file whole; the model itself last, which makes it complete."""
-    for file in sorted(files, key=lambda one: one == Path(usd.name)):
+    for file in sorted(files, key=lambda file: file == Path(usd.name)):
         place = target / file
         if not place.exists():
             place.parent.mkdir(parents=True, exist_ok=True)

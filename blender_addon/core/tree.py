@@ -60,14 +60,14 @@ def shown_names(paths: Iterable[str]) -> dict[str, str]:
 
     Bed_0; where several rooms have one, Bedroom_0 Bed_0; below those, Bedroom_0 Door_0 Frame.
     """
-    found: dict[str, str] = {}
+    shown: dict[str, str] = {}
     waiting = {path: path.strip("/").split("/") for path in paths}
     for form in (_own_name, _with_room, _with_parent, " ".join):
         names = {path: form(parts) for path, parts in waiting.items()}
-        counts = Counter([*found.values(), *names.values()])
-        found |= {path: name for path, name in names.items() if counts[name] == 1}
-        waiting = {path: parts for path, parts in waiting.items() if path not in found}
-    return found
+        counts = Counter([*shown.values(), *names.values()])
+        shown |= {path: name for path, name in names.items() if counts[name] == 1}
+        waiting = {path: parts for path, parts in waiting.items() if path not in shown}
+    return shown
 
 
 def _own_name(parts: list[str]) -> str:
@@ -166,8 +166,8 @@ def storey_of(path: str) -> str:
 
 def storeys(paths: Iterable[str]) -> list[str]:
     """The storeys of a house, the lowest first."""
-    found = {storey_of(path) for path in paths} - {""}
-    return sorted(found, key=lambda name: int(name.rpartition("_")[2]))
+    names = {storey_of(path) for path in paths} - {""}
+    return sorted(names, key=lambda name: int(name.rpartition("_")[2]))
 
 
 def piece_of(path: str) -> str:
