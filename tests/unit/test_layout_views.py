@@ -44,26 +44,26 @@ def test_views_share_the_floor_out_and_show_it_as_it_is(seed: int) -> None:
     regions, _ = floor_regions(image.rgb, image.frame.m_per_px)
     times = np.zeros(regions.shape, int)
     for view in cut_views(image.rgb, image.frame.m_per_px, STEP_PX):
-        assert all(side <= CANVAS_PX and side % STEP_PX == 0 for side in view.own.shape)
-        times[view.window] += view.own
+        assert all(side <= CANVAS_PX and side % STEP_PX == 0 for side in view.decided.shape)
+        times[view.window] += view.decided
         floor = plan_condition(view.rgb, image.frame.m_per_px, 4).pixels[FLOOR_PLANE]
-        assert floor[view.own].all()
-        assert np.array_equal(view.rgb[view.own], image.rgb[view.window][view.own])
+        assert floor[view.decided].all()
+        assert np.array_equal(view.rgb[view.decided], image.rgb[view.window][view.decided])
     assert np.array_equal(times, regions > 0)
 
 
 @pytest.mark.parametrize("rooms", [6, 12, 24, 48])
 def test_what_is_looked_at_grows_with_the_floor(rooms: int) -> None:
     views = _views(_terrace(rooms))
-    looked_at = sum(view.own.size for view in views)
-    assert looked_at < 8 * sum(view.own.sum() for view in views)
+    looked_at = sum(view.decided.size for view in views)
+    assert looked_at < 8 * sum(view.decided.sum() for view in views)
 
 
 def test_neighbours_are_in_sight() -> None:
     image = _terrace(12)
     for view in _views(image):
         seen = floor_regions(view.rgb, image.frame.m_per_px)[0] > 0
-        assert (seen & ~view.own).any()
+        assert (seen & ~view.decided).any()
 
 
 def test_a_hall_larger_than_a_view_is_cut_well_within_what_is_seen() -> None:
@@ -71,10 +71,10 @@ def test_a_hall_larger_than_a_view_is_cut_well_within_what_is_seen() -> None:
     reach_px = OVERLAP_M / image.frame.m_per_px
     views = _views(image)
     assert len(views) > 2
-    last_px = max(view.window[1].start + np.flatnonzero(view.own.any(0))[-1] for view in views)
+    last_px = max(view.window[1].start + np.flatnonzero(view.decided.any(0))[-1] for view in views)
     for view in views:
         seen = np.flatnonzero((floor_regions(view.rgb, image.frame.m_per_px)[0] > 0).any(axis=0))
-        own = np.flatnonzero(view.own.any(axis=0))
+        own = np.flatnonzero(view.decided.any(axis=0))
         left_px = view.window[1].start
         if left_px + own[-1] < last_px:
             assert seen[-1] - own[-1] >= reach_px - 12, "the wall that closes the view is near"
@@ -92,7 +92,7 @@ def test_a_passage_that_leads_out_of_sight_keeps_its_floor_free() -> None:
     for view in views:
         assert (view.rgb == door).all(axis=2).any()
         kept_free = plan_condition(view.rgb, image.frame.m_per_px, 4).pixels[FLOOR_PLANE + 1]
-        assert (kept_free & view.own).any()
+        assert (kept_free & view.decided).any()
 
 
 def test_a_mosaic_puts_every_answer_in_its_place() -> None:
