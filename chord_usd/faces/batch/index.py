@@ -49,16 +49,16 @@ def rows(folder: Path, names: Container[str] | None = None) -> list[dict[str, An
     (of the stage or the picture), files and sha256 (what it alone is made of, and the hashes),
     why (it failed), and for houses FIGURES. Paths are relative to the folder.
     """
-    found: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
     failed = failures_in(folder)
     for record_file in sorted(folder.glob(f"*/{HOUSE_RECORD}")):
         house = record_file.parent
         record = read_record(record_file)
         if record and house.name not in failed and (names is None or house.name in names):
-            found.append(_house_row(house.name, record))
-            found += _picture_rows(house, record)
-    found += [_failed_row(why) for name, why in failed.items() if names is None or name in names]
-    return found
+            rows.append(_house_row(house.name, record))
+            rows += _picture_rows(house, record)
+    rows += [_failed_row(why) for name, why in failed.items() if names is None or name in names]
+    return rows
 
 
 def write_index(rows: Iterable[Mapping[str, Any]], folder: Path) -> Path:
@@ -105,19 +105,19 @@ def _figure_type(name: str) -> Any:
 
 
 def _house_row(name: str, record: Record) -> dict[str, Any]:
-    told = record.told
+    facts = record.told
     shared = tuple(f"{kind}/" for kind in SHARED_FOLDERS)
     files = {k: digest for k, digest in record.files.items() if not k.startswith(shared)}
     return _row(
         kind="house",
         status="done",
         house=name,
-        plan=told["plan"],
-        seed=told["seed"],
+        plan=facts["plan"],
+        seed=facts["seed"],
         path=f"{name}/{STAGE_FILE}",
         files=[f"{name}/{file}" for file in files],
         sha256=list(files.values()),
-        **{key: told.get(key) for key in FIGURES},
+        **{key: facts.get(key) for key in FIGURES},
     )
 
 

@@ -45,8 +45,8 @@ def usual_workers() -> int:
 
 
 def _available_mib() -> int:
-    told = re.search(r"MemAvailable:\s*(\d+) kB", Path("/proc/meminfo").read_text())
-    return int(told[1]) // 1024 if told else WORKER_MIB
+    available = re.search(r"MemAvailable:\s*(\d+) kB", Path("/proc/meminfo").read_text())
+    return int(available[1]) // 1024 if available else WORKER_MIB
 
 
 class LocalEngine:

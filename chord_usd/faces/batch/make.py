@@ -175,8 +175,8 @@ def _with_own_asset(item: Item) -> Item:
     if item.asset is None:
         return replace(item, children=children)
     path = item.asset.usd_path
-    own = replace(item.asset, usd_path=Path("assets", path.parent.name, path.name))
-    return replace(item, children=children, asset=own)
+    asset = replace(item.asset, usd_path=Path("assets", path.parent.name, path.name))
+    return replace(item, children=children, asset=asset)
 
 
 _SHARES = ("walkable", "reachable_rooms", "por", "piou", "complete", "right")

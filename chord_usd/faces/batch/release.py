@@ -80,7 +80,7 @@ class Release:
 
     def figure(self, name: str) -> float:
         """Mean over the houses of a figure of their records."""
-        return mean([float(one.told[name]) for one in self.records.values()] or [0.0])
+        return mean([float(record.told[name]) for record in self.records.values()] or [0.0])
 
     @property
     def megabytes(self) -> float:
@@ -126,10 +126,10 @@ def write_release(folder: Path, names: Sequence[str]) -> Release:
     `sha256sum -c` takes. Raises OutputError.
     """
     failed = failures_in(folder)
-    found = {
+    files = {
         name: read_record(folder / name / HOUSE_RECORD) for name in names if name not in failed
     }
-    records = {name: record for name, record in found.items() if record}
+    records = {name: record for name, record in files.items() if record}
     release = Release(records, _bytes_of(folder), _cpu_s(folder, records))
     splits = {"hash": release.split_hash, **release.splits}
     _write(folder / SPLITS_FILE, json.dumps(splits, indent=1) + "\n")

@@ -150,11 +150,11 @@ def run_nearest(options: argparse.Namespace) -> Outcome:
         database = load_database(options.asset_folders)
         ranked = database.ranked(options.category, options.size, options.count)
     pictures = _draw_pictures(ranked, options.pictures, watch) if options.pictures else {}
-    told, lines = [], []
+    rows, lines = [], []
     for asset in ranked:
         room = Box((0.0, 0.0, 0.0), options.size, 0.0)
         box = fitted_box(room, asset, category(asset.category), is_guess=True)
-        told.append(
+        rows.append(
             {
                 **_described(asset),
                 "fits": {"center_m": list(box.center_m), "size_m": list(box.size_m)},
@@ -164,7 +164,7 @@ def run_nearest(options: argparse.Namespace) -> Outcome:
             }
         )
         lines.append(f"{asset.id:<32} {_size(asset)}")
-    return Outcome("\n".join(lines), {"assets": told})
+    return Outcome("\n".join(lines), {"assets": rows})
 
 
 def _draw_pictures(assets: Sequence[Asset], folder: Path, watch: Stopwatch) -> dict[str, Path]:
@@ -245,17 +245,17 @@ def run_grasps(options: argparse.Namespace) -> Outcome:
     known = {asset.id: asset for asset in database.assets}
     small = [asset.id for asset in database.assets if is_graspable(asset)]
     chosen = [_known(known, name).id for name in dict.fromkeys(options.ids or small)]
-    watch, told = stopwatch(options), []
+    watch, results = stopwatch(options), []
     with watch.step("grasps") as progress:
         for done, name in enumerate(chosen):
             progress(done, len(chosen))
             trial = write_grasps(database.named(name))
-            told.append({"id": name, "held": len(trial.held), "tried": trial.tried})
+            results.append({"id": name, "held": len(trial.held), "tried": trial.tried})
         progress(len(chosen), len(chosen))
-    held = sum(bool(entry["held"]) for entry in told)
-    lines = [f"{entry['id']:<32} {entry['held']} of {entry['tried']} hold" for entry in told]
-    lines.append(f"{held} of {counted(len(told), 'design')} held")
-    return Outcome("\n".join(lines), {"assets": told, "seconds": watch.seconds})
+    held = sum(bool(entry["held"]) for entry in results)
+    lines = [f"{entry['id']:<32} {entry['held']} of {entry['tried']} hold" for entry in results]
+    lines.append(f"{held} of {counted(len(results), 'design')} held")
+    return Outcome("\n".join(lines), {"assets": results, "seconds": watch.seconds})
 
 
 def run_build(options: argparse.Namespace) -> Outcome:

@@ -35,7 +35,7 @@ def certified(stage: Path, watch: Stopwatch, standard: str = "") -> dict[str, An
 def holds(check: dict[str, Any] | None) -> bool:
     """Whether nothing is known against the certificate: what a verb's exit code says."""
     return check is None or (
-        bool(check["holds"]) and all(one["holds"] for one in check.get("standards", ()))
+        bool(check["holds"]) and all(standard["holds"] for standard in check.get("standards", ()))
     )
 
 
@@ -46,7 +46,7 @@ def reported(check: dict[str, Any] | None, *lines: str) -> str:
     """
     if check is None:
         return "\n".join([*lines, NOT_CHECKED])
-    lines = (*lines, *(one["summary"] for one in check.get("standards", ())))
+    lines = (*lines, *(standard["summary"] for standard in check.get("standards", ())))
     lacks = [f"no {piece}" for piece in check["home_lacks"]]
     lacking = f"; the home has {', '.join(lacks)}" if lacks else ""
     if check["holds"]:

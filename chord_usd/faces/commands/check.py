@@ -76,7 +76,7 @@ def _text(stage: Path, report: Report, data: dict[str, Any]) -> str:
     lines += _design(report.design)
     for kept in report.standards:
         lines += [f"  {kept.summary}", *(f"    {line}" for line in kept.lines)]
-        lines += [f"    not checked: {one.name}, {one.text}" for one in kept.unchecked]
+        lines += [f"    not checked: {clause.name}, {clause.text}" for clause in kept.unchecked]
     lines += _outliers(data["ood"])
     return "\n".join(lines)
 
@@ -84,12 +84,13 @@ def _text(stage: Path, report: Report, data: dict[str, Any]) -> str:
 def _design(design: Design) -> list[str]:
     """Planning rules by room, the broken ones in centimetres with source and place."""
     lines = [f"  planning rules kept {design.share:.0%}"]
-    for one in (*design.rooms, design.home):
-        lines.append(f"    {one.place or 'home'} ({one.kind}): {len(one.kept)} of {one.asked}")
-        lines += [
-            f"      {found.said} ({found.source}), at {found.at[0]:.2f}, {found.at[1]:.2f} m"
-            for found in worst_of(one)
-        ]
+    for judged in (*design.rooms, design.home):
+        lines.append(
+            f"    {judged.place or 'home'} ({judged.kind}): {len(judged.kept)} of {judged.asked}"
+        )
+        for finding in worst_of(judged):
+            x, y = finding.at
+            lines.append(f"      {finding.said} ({finding.source}), at {x:.2f}, {y:.2f} m")
     return lines
 
 
@@ -119,8 +120,10 @@ def _outliers(ood: list[dict[str, Any]]) -> list[str]:
     """What the layout model expected least."""
     if not ood:
         return []
-    mean = sum(one["score"] for one in ood) / len(ood)
+    mean = sum(outlier["score"] for outlier in ood) / len(ood)
     lines = [
         f"  out of distribution: {mean:.2f} on average over {counted(len(ood), 'item')}; most:"
     ]
-    return lines + [f"    {one['score']:.2f} {one['path']}" for one in ood[:OUTLIERS_TOLD]]
+    return lines + [
+        f"    {outlier['score']:.2f} {outlier['path']}" for outlier in ood[:OUTLIERS_TOLD]
+    ]

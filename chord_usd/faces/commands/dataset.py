@@ -241,9 +241,11 @@ def run_clean(options: argparse.Namespace) -> Outcome:
                 dropped[name] = f"{len(cleaned.empty)} rooms are empty"
         reading.refuse_none(options.houses)
     kept = reading.count - len(dropped)
-    told = ", ".join(f"{count} {fault}" for fault, count in sorted(removed.items())) or "none"
+    faults = ", ".join(f"{count} {fault}" for fault, count in sorted(removed.items())) or "none"
     data = {"folder": str(options.output), "houses": kept, "dropped": dropped, "removed": removed}
-    text = f"{options.output}: {kept} of {counted(reading.count, 'house')}; items taken out: {told}"
+    text = (
+        f"{options.output}: {kept} of {counted(reading.count, 'house')}; items taken out: {faults}"
+    )
     return reading.outcome(text, data)
 
 
@@ -305,20 +307,20 @@ class _Lacking:
     def note(self, house: str, scene: SceneGraph) -> None:
         from chord_usd.base.metrics.complete import homely_rooms
 
-        for found in homely_rooms(scene):
-            if found.missing:
-                name = scene.plan.room(found.room).name or found.room
-                row = {"house": house, "room": name, "missing": list(found.missing)}
+        for room in homely_rooms(scene):
+            if room.missing:
+                name = scene.plan.room(room.room).name or room.room
+                row = {"house": house, "room": name, "missing": list(room.missing)}
                 self.rooms.append(row)
 
     def warnings(self) -> list[str]:
         """The first of them in words, and how many there are."""
-        told = [
+        lines = [
             f"{row['house']}: {row['room']} has no room for {' and '.join(row['missing'])}"
             for row in self.rooms[:MOST_TOLD]
         ]
-        more = len(self.rooms) - len(told)
-        return [*told, f"{more} more rooms are too small for their kind"] if more else told
+        more = len(self.rooms) - len(lines)
+        return [*lines, f"{more} more rooms are too small for their kind"] if more else lines
 
 
 @dataclass
@@ -328,8 +330,8 @@ class _Reading:
     count: int = 0
     skipped: dict[str, str] = field(default_factory=dict)
 
-    def of(self, found: Iterable[Found]) -> Iterator[tuple[str, SceneGraph]]:
-        for name, house, why in found:
+    def of(self, houses: Iterable[Found]) -> Iterator[tuple[str, SceneGraph]]:
+        for name, house, why in houses:
             if house is None:
                 self.skipped[name] = why
                 continue

@@ -36,8 +36,8 @@ def run(options: argparse.Namespace) -> Outcome:
             from chord_usd.line.image.preview import draw_storeys
             from chord_usd.line.stage.export.exchange.built_house import read_built
 
-            told = [house.drawn_graph for house in read_built(options.stage)]
-            draw_storeys(told, delivery.place(options.preview))
+            storeys = [house.drawn_graph for house in read_built(options.stage)]
+            draw_storeys(storeys, delivery.place(options.preview))
     lines = [f"{options.stage}: {counted(len(contents.rooms), 'room')}{_told(contents.looks)}"]
     for room in contents.rooms:
         lines += _room_lines(room)

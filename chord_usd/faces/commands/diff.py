@@ -27,6 +27,6 @@ def run(options: argparse.Namespace) -> Outcome:
     lines = [f"{change.path} {change.text}" for change in changes] or ["nothing changed"]
     data: Changed = {
         "same": not changes,
-        "changes": [{"path": one.path, "text": one.text} for one in changes],
+        "changes": [{"path": change.path, "text": change.text} for change in changes],
     }
     return Outcome("\n".join(lines), data, holds=not changes)

@@ -103,7 +103,7 @@ def run(options: argparse.Namespace) -> Outcome:
             found = painters.score_painters(items, options.painters, progress)
         table += ("\n" if table else "") + painters.as_markdown(found)
         data["painters"] = {
-            name: {read: asdict(one) for read, one in by.items()} for name, by in found.items()
+            name: {read: asdict(score) for read, score in by.items()} for name, by in found.items()
         }
     if options.output:
         write_atomic(options.output, table)

@@ -118,8 +118,8 @@ def _run(
     from chord_usd.workshop.evaluation.report import picture_png
 
     def planner(case: FloorCase) -> tuple[tuple[Candidate, ...], Candidate]:
-        found = planned(case, options.seed)
-        return found.tried, found.chosen
+        floor = planned(case, options.seed)
+        return floor.tried, floor.chosen
 
     watch = stopwatch(options)
     cases = floors.held_out_cases(options.cases, aligned)

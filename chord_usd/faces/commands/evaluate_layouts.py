@@ -88,20 +88,20 @@ def run(options: argparse.Namespace) -> Outcome:
         cases = _cases(options)
         warnings += cases.warnings
         # What is to be scored is no standard for itself.
-        bare = [Case(one.id, one.plan) if options.source else one for one in cases.cases]
+        bare = [Case(case.id, case.plan) if options.source else case for case in cases.cases]
     sampling = sampling_of(options)
     before = process_time()
     furnished, made_by, sampling = _furnished(options, cases, sampling, watch, warnings)
     seconds = (process_time() - before) / max(len(furnished), 1)
     with watch.step("score"):
         scores = layouts.score_layouts(furnished, made_by, sampling)
-    found: dict[str, Realism] = {}
+    realism: dict[str, Realism] = {}
     if encoder:
         with watch.step("realism"):
-            found = _realism(furnished, bare, sampling, encoder, warnings)
-    own = {"processor_seconds_per_house": round(seconds, 3), "seconds": watch.seconds}
-    data = {**layout_report.as_data(scores, found), **own}
-    markdown = layout_report.as_markdown(scores, found)
+            realism = _realism(furnished, bare, sampling, encoder, warnings)
+    timing = {"processor_seconds_per_house": round(seconds, 3), "seconds": watch.seconds}
+    data = {**layout_report.as_data(scores, realism), **timing}
+    markdown = layout_report.as_markdown(scores, realism)
     markdown += f"\n{seconds:.2f} s of processor time a house, from plan to pieces\n"
     return told(options, markdown, data, {"": layout_report.plot(scores)}, warnings)
 
@@ -129,8 +129,8 @@ def _furnished(
     if options.unpainted:
         drawer = load_boxes_or_lists(options)
         with watch.step("list"):
-            found = list(layouts.listed(drawer, cases.cases, sampling, options.unpainted))
-        return found, drawer.content_hash, replace(sampling, steps=0)
+            listed = list(layouts.listed(drawer, cases.cases, sampling, options.unpainted))
+        return listed, drawer.content_hash, replace(sampling, steps=0)
     with watch.step("load"):
         model = load_layout_model(options)
         lists = load_lists_of(options, model)

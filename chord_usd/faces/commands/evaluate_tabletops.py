@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> Outcome:
             pieces = tabletop_cases.house_cases(at.database, at.reliefs, options.houses)
             judged["houses"] = tabletops.drawn(at, pieces, progress)
     with watch.step("time"):
-        timed = [one.case for one in list(judged.values())[-1][:BATCH_OF]]
+        timed = [top.case for top in list(judged.values())[-1][:BATCH_OF]]
         seconds = tabletops.cpu_seconds(at, timed)
     columns = {name: tabletops.score_tabletops(these, at) for name, these in judged.items()}
     with watch.step("read"):

@@ -89,7 +89,7 @@ def run(options: argparse.Namespace) -> Outcome:
         )  # fmt: skip
     require(settings)
     watch = stopwatch(options)
-    deed = Deed("generate", ", ".join(one.name for one in options.plan) or options.text or "")
+    deed = Deed("generate", ", ".join(plan.name for plan in options.plan) or options.text or "")
     with (
         plan_source(options, settings, watch) as (plans, planned),
         recorded(options.output, deed), deliver() as delivery,

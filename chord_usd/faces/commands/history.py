@@ -68,8 +68,8 @@ def _data(stage: Path, history: History) -> dict[str, Any]:
         "undo": history.before.number if history.before else None,
         "redo": history.undone.number if history.undone else None,
         "changes": [
-            {"number": one.number, "parent": one.parent, "made": one.made, "verb": one.verb,
-             "words": one.words}
-            for one in history.changes
+            {"number": change.number, "parent": change.parent, "made": change.made,
+             "verb": change.verb, "words": change.words}
+            for change in history.changes
         ],
     }  # fmt: skip

@@ -82,8 +82,8 @@ def run_show(options: argparse.Namespace) -> Outcome:
             draw_looks([(name, family.label, draw_look(family, settings))]).save(target, "PNG")
     lines = [f"{name}: {family.label}, {family.surface}"]
     for parameter in family.parameters.values():
-        told = f"{parameter.about}; {parameter.expected()}"
-        lines.append(f"    {parameter.name:<14} {settings[parameter.name]!s:<10} {told}")
+        about = f"{parameter.about}; {parameter.expected()}"
+        lines.append(f"    {parameter.name:<14} {settings[parameter.name]!s:<10} {about}")
     return Outcome("\n".join(lines), {**_described(family), "look": name, "settings": settings})
 
 
@@ -99,8 +99,8 @@ def run_sheet(options: argparse.Namespace) -> Outcome:
         cells = []
         for done, (title, family, settings) in enumerate(wanted):
             progress(done, len(wanted))
-            told = " ".join(str(value) for value in settings.values())
-            cells.append((title, told, _maps(family, settings)))
+            values = " ".join(str(value) for value in settings.values())
+            cells.append((title, values, _maps(family, settings)))
         draw_looks(cells).save(target, "PNG")
         progress(len(wanted), len(wanted))
     data = {"sheet": str(options.output), "looks": len(cells)}

@@ -116,7 +116,7 @@ def in_place_of(action: argparse.Action, name: str) -> None:
 
 def named_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) -> list[Named]:
     """All paths that a command line names, the inputs first."""
-    return sorted(_named(parser, options), key=lambda one: one.role in _OUTPUTS)
+    return sorted(_named(parser, options), key=lambda named: named.role in _OUTPUTS)
 
 
 def _named(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Iterator[Named]:
@@ -154,14 +154,14 @@ def check_paths(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
 
 def check_named(paths: Sequence[Named], *, overwrite: bool = False) -> None:
     """The same of paths that are named elsewhere than on a command line."""
-    for one in paths:
-        refuse_odd_name(one.option, one.path)
-        if one.role in _INPUTS:
-            require_open(one.path, UsageError)
-        if one.role is Path:
-            _require_there(one)
-    inputs = [one for one in paths if one.role in _INPUTS]
-    outputs = [one for one in paths if one.role not in _INPUTS]
+    for path in paths:
+        refuse_odd_name(path.option, path.path)
+        if path.role in _INPUTS:
+            require_open(path.path, UsageError)
+        if path.role is Path:
+            _require_there(path)
+    inputs = [path for path in paths if path.role in _INPUTS]
+    outputs = [path for path in paths if path.role not in _INPUTS]
     for output in outputs:
         for given in inputs:
             if output.replaces != given.option or not _same(output, given):
@@ -219,10 +219,10 @@ def refuse_odd_name(option: str, path: Path) -> None:
         )
     if any(unicodedata.category(character) in ("Cc", "Zl", "Zp") for character in said):
         raise UsageError(f"{option} holds a control character", where=said, expected="a path")
-    for odd in _NOT_IN_USD:
-        if odd in path.as_posix():
+    for sign in _NOT_IN_USD:
+        if sign in path.as_posix():
             raise UsageError(
-                f"{option} holds {odd!r}, which USD takes for something else",
+                f"{option} holds {sign!r}, which USD takes for something else",
                 where=said,
                 expected="a path without it",
             )
@@ -244,7 +244,7 @@ def _refuse_read_only(output: Named) -> None:
     """Say before the work what would be said after it."""
     target = output.dest
     folder = target if target.is_dir() else target.parent
-    there = next(one for one in (folder, *folder.parents) if os.path.lexists(one))
+    there = next(parent for parent in (folder, *folder.parents) if os.path.lexists(parent))
     if there.is_dir() and not os.access(there, os.W_OK | os.X_OK):
         raise OutputError(
             "cannot be written (permission denied)",

@@ -90,9 +90,9 @@ def _run(options: argparse.Namespace, outline: Path | None) -> Outcome:
         else:
             write_raster(draw_plan(planned.plan), target)
     data = {"plan": str(options.output), **planned_report(planned), "seconds": watch.seconds}
-    told = f", for {data['understood']}" if data["understood"] else ""
+    understood = f", for {data['understood']}" if data["understood"] else ""
     return Outcome(
-        f"{options.output}: {counted(data['rooms'], 'room')}, {data['area_m2']:.0f} m²{told}",
+        f"{options.output}: {counted(data['rooms'], 'room')}, {data['area_m2']:.0f} m²{understood}",
         data,
         warnings=planned.warnings,
     )

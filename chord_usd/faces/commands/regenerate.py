@@ -82,7 +82,9 @@ def run(options: argparse.Namespace) -> Outcome:
     edits = existing_file(options.edits) if options.edits else None
     target = options.output or source
     settings = settings_of(options)
-    wishes = read_pieces(*(own and "\n".join(own) for own in (options.wanted, options.without)))
+    wishes = read_pieces(
+        *(lines and "\n".join(lines) for lines in (options.wanted, options.without))
+    )
     watch = stopwatch(options)
     with alone_with(source), deliver() as delivery:
         layout_out = delivery.place(options.layout_out) if options.layout_out else None
@@ -116,7 +118,7 @@ def run(options: argparse.Namespace) -> Outcome:
         "items": furniture + sum(len(piece.children) for piece in pieces),
         "dressing": sum(1 for _ in made.graph.dressing_of(made.room.id)),
         "kept": list(made.kept),
-        "edits": [told for told in edits_told(made.graph) if told["item"] in new_ids],
+        "edits": [edit for edit in edits_told(made.graph) if edit["item"] in new_ids],
         "seconds": watch.seconds,
         "certificate": check,
     }

@@ -399,8 +399,8 @@ def _schema(kind: Any) -> dict[str, Any]:
         hints = get_type_hints(kind, include_extras=True)
         return {
             "type": "object",
-            "properties": {name: _schema(own) for name, own in hints.items()},
-            "required": [n for n, own in hints.items() if get_origin(own) is not NotRequired],
+            "properties": {name: _schema(hint) for name, hint in hints.items()},
+            "required": [n for n, hint in hints.items() if get_origin(hint) is not NotRequired],
             "additionalProperties": False,
         }
     inner = get_args(kind)
@@ -412,7 +412,7 @@ def _schema(kind: Any) -> dict[str, Any]:
         case origin if origin is Literal:
             return {"enum": list(inner)}
         case origin if origin in (Union, types.UnionType):
-            return {"anyOf": [_schema(own) for own in inner]}
+            return {"anyOf": [_schema(hint) for hint in inner]}
         case origin if origin is NotRequired:
             return _schema(inner[0])
     return {}

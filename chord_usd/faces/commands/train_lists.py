@@ -65,10 +65,10 @@ def run_lists(options: argparse.Namespace) -> Outcome:
         raise UsageError(
             "things stand in no houses", where="--houses, --furnished", expected="--of pieces"
         )
-    own = furnished_of(options)
-    config = _list_training(options, len(own))
+    furnished = furnished_of(options)
+    config = _list_training(options, len(furnished))
     is_of_things = options.of == "things"
-    task = _things(config.batch) if is_of_things else _pieces(options, config.batch, own)
+    task = _things(config.batch) if is_of_things else _pieces(options, config.batch, furnished)
     with stopwatch(options).step("train") as progress:
         facts = train_lists(config, options.output, task, progress, options.start)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
@@ -79,9 +79,9 @@ def run_boxes(options: argparse.Namespace) -> Outcome:
     """Runs train boxes."""
     from chord_usd.workshop.training.boxes_trainer import train_boxes
 
-    own = furnished_of(options)
-    config = _list_training(options, len(own))
-    task = _pieces(options, config.batch, own)
+    furnished = furnished_of(options)
+    config = _list_training(options, len(furnished))
+    task = _pieces(options, config.batch, furnished)
     with stopwatch(options).step("train") as progress:
         facts = train_boxes(config, options.output, task.batches, task.held_out, progress)
     data = {"checkpoint": str(options.output / "checkpoint"), **facts}
@@ -95,7 +95,7 @@ def _list_training(options: argparse.Namespace, furnished: int) -> ListTraining:
     return replace(run_of(options, ListTraining()), houses=options.houses, furnished=furnished)
 
 
-def _pieces(options: argparse.Namespace, batch: int, own: Sequence[SceneGraph]) -> Task:
+def _pieces(options: argparse.Namespace, batch: int, furnished: Sequence[SceneGraph]) -> Task:
     """To write down what is in a room."""
     from chord_usd.line.lists.pieces import PIECES
     from chord_usd.workshop.data.flats import read_flats
@@ -112,10 +112,10 @@ def _pieces(options: argparse.Namespace, batch: int, own: Sequence[SceneGraph]) 
     # A kept set holds homes alone; another's folder is learned as it is.
     is_foreign = options.furnished is not None and options.furnished.is_dir()
     batches = partial(
-        endless_batches, flats, batch, procedural=options.houses, furnished=own,
+        endless_batches, flats, batch, procedural=options.houses, furnished=furnished,
         sparse_share=0.0 if is_foreign else 1.0 - HOMES_SHARE,
     )  # fmt: skip
-    unseen = examples_in(unseen_of(options)) if own else held_out(50)
+    unseen = examples_in(unseen_of(options)) if furnished else held_out(50)
     return Task(PIECES, batches, batch_of(unseen[:_MOST_UNSEEN]) if unseen else None)
 
 
