@@ -1,7 +1,7 @@
 """The command line: a verb per step of the line.
 
 Exit codes: 0 done; 1 ran, and a check did not hold; 2 the input or the command line is unusable,
-told in one `error:` line on stderr; 130 interrupted (Ctrl-C); 143 terminated (SIGTERM).
+printed as one `error:` line on stderr; 130 interrupted (Ctrl-C); 143 terminated (SIGTERM).
 """
 
 from __future__ import annotations

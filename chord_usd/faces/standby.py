@@ -56,7 +56,7 @@ def _lines() -> Iterator[list[str]]:
 
 
 def load(part: Callable[[], None]) -> None:
-    """What cannot be loaded is told by the verb that needs it."""
+    """The verb that needs a module reports that it cannot be loaded."""
     try:
         with console.reserved():
             part()

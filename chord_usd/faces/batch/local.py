@@ -148,7 +148,7 @@ class _Worker:
 
 @contextlib.contextmanager
 def _threads(count: int) -> Iterator[None]:
-    """What a process that starts now is told of the threads it may use."""
+    """Environment that limits the threads of a new process."""
     before = os.environ.get(THREADS_VARIABLE)
     os.environ[THREADS_VARIABLE] = str(count)
     try:
@@ -161,7 +161,7 @@ def _threads(count: int) -> Iterator[None]:
 
 def _serve(connection: Connection, load: Load, log: Path) -> None:
     """The worker's own main function."""
-    # Ctrl-C reaches the whole terminal; the driver tells its workers when to stop.
+    # Ctrl-C reaches the whole terminal; the driver stops its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     interrupts.obey()
     with log.open("w") as file:
@@ -182,7 +182,7 @@ def _serve(connection: Connection, load: Load, log: Path) -> None:
 
 
 def _end_with_driver() -> None:
-    """A driver that was killed cannot tell its workers."""
+    """A killed driver cannot stop its workers."""
     driver = parent_process()
     assert driver is not None
     wait([driver.sentinel])

@@ -112,7 +112,7 @@ def pictures_recipe(record: Record, options: RenderOptions) -> Mapping[str, Any]
 
 
 def _render(house: Path, made: Record, options: RenderOptions, digests: Digests) -> None:
-    """Take the pictures that are not there; those of a camera appear together."""
+    """Take the missing pictures; all pictures of a camera appear together."""
     from chord_usd.line.image.render import render_stage
 
     recipe = pictures_recipe(made, options)
@@ -165,7 +165,7 @@ def storey_file(name: str, index: int) -> str:
 
 
 def _with_own_assets(graph: SceneGraph) -> SceneGraph:
-    """The graph pointing to the meshes beside its stage, not to those of the machine."""
+    """The graph pointing to the meshes beside its stage, not to the machine's."""
     items, dressing = (tuple(map(_with_own_asset, all_)) for all_ in (graph.items, graph.dressing))
     return replace(graph, items=items, dressing=dressing)
 

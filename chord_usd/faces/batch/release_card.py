@@ -55,7 +55,7 @@ _FIGURES = (
     ("share of rooms that hold what their kind needs", "complete"),
     ("share of rooms where, besides, nothing stands wrongly", "right"),
 )
-"""What the card tells, and its name in a record; means over houses."""
+"""Figures of the card, and their names in a record; means over houses."""
 
 
 def _size_category(houses: int) -> str:

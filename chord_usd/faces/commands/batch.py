@@ -39,7 +39,7 @@ _HOUSE_MINUTES, _PICTURES_MINUTES = 60, 24 * 60
 """What a house may take, and one with pictures: far more than any has needed."""
 
 MOST_TOLD = 5
-"""Failures told on stderr; --json and the index list all."""
+"""Failures printed on stderr; --json and the index list all."""
 
 
 def add(verbs: Verbs) -> None:
@@ -208,7 +208,7 @@ def _engine(options: argparse.Namespace, folder: Path) -> Engine:
 
 
 def outcome_of(done: Done, options: argparse.Namespace, seconds: dict[str, float]) -> Outcome:
-    """What is told of a batch."""
+    """The summary of a batch."""
     failures = {result.unit.name: result.why for result in done.failures}
     data: Batch = {
         "folder": str(options.output),

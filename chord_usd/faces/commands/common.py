@@ -37,7 +37,7 @@ class Outcome:
     holds: bool = True
     """False where a check did not hold: exit code 1."""
     warnings: Sequence[str] = ()
-    """What a user should know of the input; told on stderr."""
+    """Warnings about the input; printed on stderr."""
 
 
 Run = Callable[[argparse.Namespace], Outcome]
@@ -132,7 +132,10 @@ def add_verb(verbs: Verbs, name: str, run: Run, summary: str, **options: Any) ->
         "--json-schema", action=_PrintSchema, nargs=0, help="print the schema of that object"
     )
     common.add_argument(
-        "--progress", choices=PROGRESS_STYLES, default="auto", help="how progress is told on stderr"
+        "--progress",
+        choices=PROGRESS_STYLES,
+        default="auto",
+        help="how progress is printed on stderr",
     )
     common.add_argument(
         "-v", "--verbose", dest="progress", action="store_const", const="lines",

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from chord_usd.workshop.data.foreign import Found
 
 MOST_TOLD = 5
-"""Reasons told of houses that cannot be read; --json lists all."""
+"""Reasons printed for houses that cannot be read; --json lists all."""
 
 
 def add(verbs: Verbs) -> None:
@@ -358,7 +358,7 @@ class _Reading:
 
 
 def _measured(source: Path, reading: _Reading) -> Samples:
-    """What others' houses measure; what of them cannot be read is told with the rest."""
+    """Measures of others' houses; the report names the houses that cannot be read."""
     from chord_usd.workshop.data.distributions import measure
     from chord_usd.workshop.data.foreign import Models, foreign_houses
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def add(group: Verbs) -> None:
-    """Adds the verb to those of dataset."""
+    """Adds the verb to dataset."""
     keep = add_verb(group, "keep", run_keep, "pack chosen houses into one file to learn from")
     keep.add_argument(
         "houses", type=Path, metavar="HOUSES", help="folder of CHOrD JSON, or a kept set"

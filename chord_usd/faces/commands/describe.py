@@ -38,24 +38,24 @@ def run(options: argparse.Namespace) -> Outcome:
 
             storeys = [house.drawn_graph for house in read_built(options.stage)]
             draw_storeys(storeys, delivery.place(options.preview))
-    lines = [f"{options.stage}: {counted(len(contents.rooms), 'room')}{_told(contents.looks)}"]
+    lines = [f"{options.stage}: {counted(len(contents.rooms), 'room')}{_choices(contents.looks)}"]
     for room in contents.rooms:
         lines += _room_lines(room)
     return Outcome("\n".join(lines), {"stage": str(options.stage), **asdict(contents)})
 
 
 def _room_lines(room: RoomContents) -> list[str]:
-    lines = [f"  {room.name}{_told(room.looks)}"]
+    lines = [f"  {room.name}{_choices(room.looks)}"]
     lines += [_piece_line(piece) for piece in room.furniture]
     return lines + [_piece_line(piece, "  ") for piece in room.dressing]
 
 
 def _piece_line(piece: Piece, indent: str = "") -> str:
     name = piece.path.split("/")[-1]
-    return f"    {indent}{name:<24} {piece.asset}{_told(piece.looks)}"
+    return f"    {indent}{name:<24} {piece.asset}{_choices(piece.looks)}"
 
 
-def _told(looks: Looks) -> str:
+def _choices(looks: Looks) -> str:
     """What is chosen, of how many."""
     choices = [
         f"{name} {choice.chosen or 'none'} (of {len(choice.offered)})"

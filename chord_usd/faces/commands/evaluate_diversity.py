@@ -14,8 +14,8 @@ from chord_usd.faces.commands.evaluate_options import (
     load_cases,
     load_layout_model,
     load_lists_of,
+    reported,
     sampling_of,
-    told,
 )
 
 
@@ -56,4 +56,4 @@ def run(options: argparse.Namespace) -> Outcome:
         )
     data = {**diversity.as_data(scores), "seconds": watch.seconds}
     markdown = diversity.as_markdown(scores)
-    return told(options, markdown, data, {"": picture_png(sheet)}, warnings)
+    return reported(options, markdown, data, {"": picture_png(sheet)}, warnings)

@@ -20,7 +20,7 @@ from chord_usd.faces.commands.evaluate_options import (
     add_records,
     add_report,
     load_layout_model,
-    told,
+    reported,
 )
 from chord_usd.faces.commands.house_options import add_options
 
@@ -36,7 +36,7 @@ SEEDS = 4
 
 
 def add(group: Verbs) -> None:
-    """Adds the verbs to those of evaluate."""
+    """Adds the verbs to evaluate."""
     text = add_verb(group, "text", run_text, "score floors planned from held-out texts")
     _add_options(text, "texts", "text2plan")
     outlines = add_verb(group, "outlines", run_outlines, "score rooms planned in open plans")
@@ -148,4 +148,4 @@ def _run(
         "seconds": watch.seconds,
     }
     pictures = {"": picture_png(floors.sheet(rows))}
-    return told(options, floors.as_markdown(title, columns, notes), data, pictures, [])
+    return reported(options, floors.as_markdown(title, columns, notes), data, pictures, [])

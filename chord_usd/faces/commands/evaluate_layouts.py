@@ -31,8 +31,8 @@ from chord_usd.faces.commands.evaluate_options import (
     load_encoder,
     load_layout_model,
     load_lists_of,
+    reported,
     sampling_of,
-    told,
 )
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def run(options: argparse.Namespace) -> Outcome:
     data = {**layout_report.as_data(scores, realism), **timing}
     markdown = layout_report.as_markdown(scores, realism)
     markdown += f"\n{seconds:.2f} s of processor time a house, from plan to pieces\n"
-    return told(options, markdown, data, {"": layout_report.plot(scores)}, warnings)
+    return reported(options, markdown, data, {"": layout_report.plot(scores)}, warnings)
 
 
 def _cases(options: argparse.Namespace) -> Cases:

@@ -19,7 +19,7 @@ from chord_usd.faces.commands.evaluate_options import (
     add_report,
     load_cases,
     load_layout_model,
-    told,
+    reported,
 )
 
 
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> Outcome:
             warn=warnings.append,
         )
     data = {**ood.as_data(scores), "seconds": watch.seconds}
-    return told(options, ood.as_markdown(scores), data, {"": ood.plot(scores)}, warnings)
+    return reported(options, ood.as_markdown(scores), data, {"": ood.plot(scores)}, warnings)
 
 
 def _run_worst(options: argparse.Namespace) -> Outcome:
@@ -104,4 +104,4 @@ def _run_worst(options: argparse.Namespace) -> Outcome:
             warn=warnings.append,
         )
     data = {**ood_worst.as_data(scores), "seconds": watch.seconds}
-    return told(options, ood_worst.as_markdown(scores), data, {}, warnings)
+    return reported(options, ood_worst.as_markdown(scores), data, {}, warnings)

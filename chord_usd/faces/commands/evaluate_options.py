@@ -34,7 +34,7 @@ def add_plans(parser: Parser, count: int) -> None:
     parser.add_argument("--flats", type=Path, metavar="JSONL", help="real floor plans")
     parser.add_argument("--houses", type=Path, metavar="DIR", help="a folder of CHOrD JSON")
     parser.add_argument(
-        "--unshaded", action="store_true", help="plans that do not tell the kind of a room"
+        "--unshaded", action="store_true", help="plans that do not show the kind of a room"
     )
 
 
@@ -103,7 +103,7 @@ def add_inception(parser: Parser) -> None:
 
 
 def load_encoder(options: argparse.Namespace, warnings: list[str]) -> Encoder | None:
-    """The encoder behind FID and KID. Without its weights these are left out, and told; where
+    """The encoder behind FID and KID. Without its weights these are left out, with a warning; where
     they were asked for, that is an error."""
     from chord_usd.base.errors import MissingExtraError
     from chord_usd.workshop.evaluation.encoders import InceptionEncoder, LiteEncoder
@@ -186,7 +186,7 @@ def sampling_of(options: argparse.Namespace) -> Sampling:
     )
 
 
-def told(
+def reported(
     options: argparse.Namespace,
     markdown: str,
     data: Mapping[str, Any],

@@ -14,7 +14,7 @@ from chord_usd.faces.commands.common import (
     stopwatch,
     whole_number,
 )
-from chord_usd.faces.commands.evaluate_options import add_records, add_report, told
+from chord_usd.faces.commands.evaluate_options import add_records, add_report, reported
 from chord_usd.faces.commands.house_options import add_options
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> Outcome:
             clean if options.clean else crowded, records.scores, records.keep,
         )  # fmt: skip
     data = {"styles": summaries(scores), "seed": options.seed, "seconds": watch.seconds}
-    return told(options, as_markdown(scores), data, {}, [])
+    return reported(options, as_markdown(scores), data, {}, [])
 
 
 def _reader() -> Reader:
@@ -108,7 +108,7 @@ def _run_real(options: argparse.Namespace) -> Outcome:
     pictures = sheets(readings) if options.output else {}
     names = sheet_names(options.output, pictures) if options.output else []
     data = {"files": as_rows(readings), "seconds": watch.seconds}
-    return told(options, as_markdown(readings, names), data, pictures, [])
+    return reported(options, as_markdown(readings, names), data, pictures, [])
 
 
 def _shown(plan: Plan | None, file: Path) -> ByteArray:

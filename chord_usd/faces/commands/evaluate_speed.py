@@ -14,7 +14,7 @@ from chord_usd.faces.commands.evaluate_options import (
     load_cases,
     load_encoder,
     load_layout_model,
-    told,
+    reported,
 )
 
 
@@ -75,4 +75,4 @@ def run(options: argparse.Namespace) -> Outcome:
             warnings.append,
         )
     data = {**speed.as_data(scores), "seconds": watch.seconds}
-    return told(options, speed.as_markdown(scores), data, {"": speed.plot(scores)}, warnings)
+    return reported(options, speed.as_markdown(scores), data, {"": speed.plot(scores)}, warnings)

@@ -22,7 +22,7 @@ from chord_usd.faces.commands.evaluate_options import (
     add_report,
     add_sampling,
     load_layout_model,
-    told,
+    reported,
 )
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ BATCH_OF = 10
 """Tables of the house that is timed."""
 
 SOFT_NOISE = 2.0
-"""Noise-to-signal ratio from which known tabletops are drawn anew to test the reader: as soft as
+"""Noise-to-signal ratio from which known tabletops are drawn again to test the reader: as soft as
 what the model draws by itself."""
 
 
@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> Outcome:
     data = {**tabletop_report.as_data(columns, readers, made), "seconds": watch.seconds}
     sheet = tabletop_report.draw_sheet(list(judged.values()))
     markdown = tabletop_report.as_markdown(columns, readers, made)
-    return told(options, markdown, data, {"": sheet}, [])
+    return reported(options, markdown, data, {"": sheet}, [])
 
 
 def _how(options: argparse.Namespace, painter: LayoutModel | None) -> str:

@@ -42,7 +42,7 @@ def add(verbs: Verbs) -> None:
         "family", nargs="?", metavar="FAMILY", help="several draws of one family (all families)"
     )
     _add_set(sheet)
-    add_options(sheet, unset=("style",), style="what a home of this style and seed wears")
+    add_options(sheet, unset=("style",), style="materials of a home of this style and seed")
     add_options(sheet, "seed")
     add_output(sheet, "the sheet, PNG", suffixes=(".png",))
 
@@ -144,7 +144,7 @@ def _drawn(parameter: Parameter, rng: Any) -> Any:
 
 
 def _of_style(options: argparse.Namespace) -> list[Cell]:
-    """Everything that rooms of a home may wear, each once."""
+    """Every material that rooms of a home may have, each once."""
     import numpy as np
 
     from chord_usd.base.scene.look_families import family_named

@@ -87,7 +87,7 @@ _DATA_SUFFIXES = {
     ".json", ".jsonl", ".gz", ".usd", ".usda", ".usdc", ".usdz", ".safetensors", ".onnx", ".obj",
     ".glb", ".gltf", ".npz", ".parquet",
 }  # fmt: skip
-"""Of files in an input folder that a verb may read; its pictures may be drawn anew."""
+"""Of files in an input folder that a verb may read; its pictures may be drawn again."""
 
 
 @dataclass(frozen=True)

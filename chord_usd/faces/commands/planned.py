@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def add(group: Verbs) -> None:
-    """Adds the verbs to those of plan."""
+    """Adds the verbs to plan."""
     text = add_verb(group, "from-text", run_from_text, "plan the floor that a text asks for")
     text.add_argument("text", metavar="TEXT", help='such as "a two-bed flat of about 70 m²"')
     _add_options(text)
@@ -41,7 +41,7 @@ def add(group: Verbs) -> None:
         "outline", type=Path, metavar="OPEN_PLAN",
         help="drawing of outer walls with windows and doors, or a plan of one room",
     )  # fmt: skip
-    outline.add_argument("--text", default="", metavar="TEXT", help="what rooms there shall be")
+    outline.add_argument("--text", default="", metavar="TEXT", help="rooms of the home")
     add_options(outline, "m_per_px")
     _add_options(outline)
 

@@ -1,4 +1,4 @@
-"""regenerate: stage -> stage, one room furnished anew."""
+"""regenerate: stage -> stage, one room furnished again."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from chord_usd.faces.commands.paths import in_place_of, output_file, with_suffix
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_verb(
-        verbs, "regenerate", run, "furnish one room of a stage anew and leave the rest as it is"
+        verbs, "regenerate", run, "furnish one room of a stage again and leave the rest as it is"
     )
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
     parser.add_argument(
@@ -41,10 +41,13 @@ def add(verbs: Verbs) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--with", dest="wanted", action="append", metavar="PIECES",
-        help='what the room shall hold, such as "desk, two chairs"',
+        help='pieces of the room, such as "desk, two chairs"',
     )  # fmt: skip
     parser.add_argument(
-        "--without", action="append", metavar="PIECES", help="what it shall not, such as sofa"
+        "--without",
+        action="append",
+        metavar="PIECES",
+        help="pieces to leave out, such as sofa",
     )
     parser.add_argument(
         "--edits", type=Path, metavar="LAYER",

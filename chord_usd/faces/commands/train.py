@@ -1,6 +1,6 @@
 """train: data -> checkpoint; a run in the same folder is resumed.
 
-The detector is resumed from its weights alone: its optimizer starts anew.
+The detector is resumed from its weights alone: its optimizer starts again.
 """
 
 from __future__ import annotations
@@ -268,7 +268,7 @@ def run_outline2plan(options: argparse.Namespace) -> Outcome:
 def _run_floors(
     options: argparse.Namespace, condition: str, network: LayoutConfig, **words: Any
 ) -> Outcome:
-    """words: what FloorStream is told of them beside the network."""
+    """words: what FloorStream takes of them beside the network."""
     from chord_usd.workshop.data.flats import read_flats
     from chord_usd.workshop.training.floor_stream import FloorStream, FloorStreamConfig
     from chord_usd.workshop.training.trainer import FLOOR_TRAINING, LayoutTrainer

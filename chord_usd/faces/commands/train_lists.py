@@ -31,7 +31,7 @@ _MOST_UNSEEN = 500
 
 
 def add(group: Verbs) -> None:
-    """Adds the verbs to those of train."""
+    """Adds the verbs to train."""
     lists = add_verb(
         group, "lists", run_lists, "train the model that writes down what is in a room or on a top"
     )

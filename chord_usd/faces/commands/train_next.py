@@ -23,7 +23,7 @@ _NO_START = ("bubbles",)
 
 
 def add(group: Verbs) -> None:
-    """Adds the verb to those of train."""
+    """Adds the verb to train."""
     verb = add_verb(
         group, "next", run_next, "train on the network that is farthest from its target"
     )

@@ -78,7 +78,7 @@ def add_furnished(parser: Parser) -> None:
         type=Path,
         metavar="HOUSES",
         help="learn from the training share of furnished houses, not from our own: a folder of "
-        "CHOrD JSON, or a kept set (dataset keep), beside which lists learn sparse houses of ours",
+        "CHOrD JSON, or a kept set (dataset keep), beside which lists learn our sparse houses",
     )
 
 

@@ -1,4 +1,4 @@
-"""Listening: one server on a folder, on a port that is free, until it is told to end."""
+"""Listening: one server on a folder, on a port that is free, until a signal ends it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SHUTDOWN_S = 5
 def serve_page(root: Path, host: str, port: int, say: Callable[[str], None]) -> None:
     """Serve the houses below root until SIGINT or SIGTERM.
 
-    say: is told the address. Raises OutputError for a folder that another server has or that cannot
+    say: takes the address. Raises OutputError for a folder that another server has or that cannot
     be written, ChordError for a port that is taken.
     """
     with _alone(root), _listening(host, port) as listener:
@@ -50,7 +50,7 @@ def serve_page(root: Path, host: str, port: int, say: Callable[[str], None]) -> 
 
 
 class _Server(uvicorn.Server):
-    """Leaves signals alone: a server that is told to end has done its work, which is no error."""
+    """Leaves signals alone: a server that a signal ends has done its work, which is no error."""
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
