@@ -12,12 +12,13 @@ import shapely
 from shapely.affinity import rotate, translate
 
 from chord_usd.base.metrics.design import Design, Finding, design_of, worse_planned
+from chord_usd.base.metrics.design.group_rules import strays
 from chord_usd.base.metrics.design.price import tight
 from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import View, view_home
 from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph, frozen_array
 from chord_usd.line.lists.improve import improved
-from chord_usd.line.lists.other_places import changes_of
+from chord_usd.line.lists.other_places import changes_of, regrouped
 
 Piece = tuple[str, float, float, float, float, float, float]
 """Category, x, y, length, depth, height, yaw."""
@@ -166,10 +167,85 @@ def test_a_washing_machine_goes_to_the_units() -> None:
 def test_knees_fit_between_an_armchair_and_the_coffee_table() -> None:
     pieces: list[Piece] = [("sofa", 2.0, 2.5, 2.0, 0.9, 0.8, 0),
                            ("coffee_table", 2.0, 1.4, 1.0, 0.5, 0.4, 0)]  # fmt: skip
-    for gap, is_broken in ((0.02, True), (0.3, False)):
+    for gap, is_broken in ((0.02, True), (0.15, True), (0.3, False)):
         chair = ("single_sofa", 2.5 + gap + 0.4, 1.4, 0.8, 0.8, 0.8, -90)
         found = findings(home("living", [*pieces, chair]))
         assert ("armchair to the coffee table" in found) == is_broken
+
+
+WAY = "way between doors and to the dining place"
+
+
+@pytest.mark.parametrize("gap", [0.4, 0.5, 0.7, 0.85, 1.2])
+def test_a_way_is_as_wide_as_its_narrowest_place(gap: float) -> None:
+    """Between a table with its chair and a cabinet, on the way from one door to the other."""
+    pieces: list[Piece] = [("dining_table", 0.6, 1.5, 1.2, 0.8, 0.75, 0),
+                           ("chair", 1.4, 1.5, 0.45, 0.5, 0.9, -90),
+                           ("cabinet", 2.825 + gap / 2, 1.5, 2.35 - gap, 0.5, 2.0, 0)]  # fmt: skip
+    graph = home("dining", pieces, door(3.0, -0.12), replace(door(3.0, 3.12), id="back"))
+    found = findings(graph)
+    assert (WAY in found) == (gap < 0.6)
+    assert ("main " + WAY in found) == (gap < 0.9)
+    if WAY in found:
+        assert found[WAY].have == pytest.approx(gap, abs=0.06)
+        assert abs(found[WAY].at[0] - 1.65 - gap / 2) < 0.1
+        assert {"chair_1", "cabinet_2"} <= set(found[WAY].items)
+
+
+def test_a_way_that_no_furniture_makes_narrow_is_not_asked() -> None:
+    corners = frozen_array([(0, 0), (0.8, 0), (0.8, 4), (0, 4)])
+    doors = (door(0.4, -0.12), replace(door(0.4, 4.12), id="back"))
+    hall = SceneGraph((Room("room", "corridor", corners),), doors, ())
+    (judged,) = design_of([hall]).rooms
+    assert judged.kept == (WAY,)
+
+
+@pytest.mark.parametrize(("long", "count"), [(2.0, 0), (3.4, 2)])
+def test_one_gets_to_the_chairs_behind_a_table(long: float, count: int) -> None:
+    pieces: list[Piece] = [("dining_table", 2.0, 1.9, long, 0.7, 0.75, 0)]
+    pieces += [("chair", 2.0 + side * 0.5, 2.45, 0.45, 0.5, 0.9, 0) for side in (-1, 1)]
+    pieces += [("chair", 2.0 + side * 0.5, 1.35, 0.45, 0.5, 0.9, 180) for side in (-1, 1)]
+    judged = design_of([home("dining", pieces, door(3.0, -0.12))])
+    found = [one for room in judged.rooms for one in room.findings
+             if one.rule == "chairs that nobody gets to"]  # fmt: skip
+    assert sum(int(one.have) for one in found) == count
+
+
+STRAYS = "pieces without what they belong to"
+
+
+@pytest.mark.parametrize(
+    ("kind", "pieces", "count"),
+    [
+        ("bedroom", BEDROOM[1:], 2),
+        ("bedroom", BEDROOM, 0),
+        ("living", [("dining_cabinet", 2.0, 2.8, 1.2, 0.4, 0.9, 0)], 1),
+        ("kitchen", [("dining_cabinet", 2.0, 2.8, 1.2, 0.4, 0.9, 0)], 0),
+        ("living", [("sofa", 1.2, 2.5, 2.0, 0.9, 0.8, 0),
+                    ("side_coffee_table", 2.5, 2.7, 0.45, 0.45, 0.5, 0)], 0),
+        ("living", [("sofa", 1.2, 2.5, 2.0, 0.9, 0.8, 0),
+                    ("side_coffee_table", 3.7, 0.3, 0.45, 0.45, 0.5, 0)], 1),
+    ],
+)  # fmt: skip
+def test_a_group_has_its_head(kind: str, pieces: list[Piece], count: int) -> None:
+    found = findings(home(kind, pieces))
+    assert (found[STRAYS].have if STRAYS in found else 0) == count
+
+
+def test_strays_find_what_they_belong_to_or_go() -> None:
+    pieces: list[Piece] = [("sofa", 1.2, 2.5, 2.0, 0.9, 0.8, 0),
+                           ("side_coffee_table", 3.7, 0.3, 0.45, 0.45, 0.5, 0),
+                           ("dining_cabinet", 3.0, 0.2, 0.9, 0.4, 0.9, 180)]  # fmt: skip
+    before = view_home(home("living", pieces)).rooms[0]
+    after = improved(before, lambda _: 0.0, [regrouped, regrouped])
+    assert not strays(after)
+    assert "dining_cabinet" not in after.categories
+
+
+@pytest.mark.parametrize(("gap", "is_broken"), [(0.0, False), (0.4, True), (0.9, False)])
+def test_nobody_passes_a_slit_behind_a_sofa(gap: float, is_broken: bool) -> None:
+    found = findings(home("living", [("sofa", 2.0, 2.55 - gap, 2.0, 0.9, 0.8, 0)]))
+    assert ("slit behind the sofa" in found) == is_broken
 
 
 def test_free_depth_is_that_of_shapes() -> None:

@@ -186,6 +186,19 @@ def test_shoes_leave_the_floor_behind_the_front_door() -> None:
     assert all(len(house.items) == len(home.items) for house in after)
 
 
+def test_a_home_has_no_shoe_cabinet_far_from_its_front_door() -> None:
+    home = _home(
+        ("kitchen", "shoe_cabinet", Box((7.8, 1.0, 0.0), (0.8, 0.3, 1.1), -90.0)),
+        ("kitchen", "sink_cabinet", Box((6.0, 3.7, 0.0), (0.8, 0.6, 0.9), 0.0)),
+        ("kitchen", "cooker_cabinet", Box((7.0, 3.7, 0.0), (0.6, 0.6, 0.9), 0.0)),
+        ("day", "shoe_cabinet", Box((0.2, 2.0, 0.0), (0.8, 0.3, 1.1), 90.0)),
+        ("day", "bed", Box((1.0, 3.0, 0.0), (0.9, 2.0, 0.5), 0.0)),
+    )
+    after = _repaired(home)
+    (shoes,) = (item for item in after.items if item.category == "shoe_cabinet")
+    assert shoes.room_id == "kitchen"
+
+
 @pytest.mark.parametrize(("others", "count"), [((), 1), (("living",), 0)])
 def test_a_television_hangs_before_the_bed_where_no_room_is_lived_in_else(
     others: tuple[RoomKind, ...], count: int

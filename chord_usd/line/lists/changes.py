@@ -22,6 +22,8 @@ from chord_usd.base.scene.units import wrap_deg
 
 SHOWERS_M = (0.9, 0.8)
 TABLE_TO_SOFA_M = 0.4
+ARMCHAIRS_OUT_M = (0.25, 0.4, 0.1)
+"""From the coffee table, or an end of the sofa."""
 SLIDES_M = (0.3, 0.6, 0.9, 1.2)
 WALL_STEP_M = 0.3
 _WALL_PLACES = 200
@@ -192,7 +194,7 @@ def _armchairs(view: View) -> Iterator[Change]:
     reach = max(float(view.length[sofa]), float(view.length[focus])) / 2 + size[1] / 2
     seats = []
     for nth, side in enumerate((-1, 1)):
-        for out in (0.1, 0.4):
+        for out in ARMCHAIRS_OUT_M:
             x, y = to_world(box, (u + side * (reach + out), -v - 0.1))
             yaw = wrap_deg(box.yaw_deg - 90.0 * side)
             own = Box((float(x), float(y), 0.0), size, yaw)
@@ -242,6 +244,20 @@ def _on_axis(view: View) -> Iterator[Change]:
     for share in (1.0, 0.6, 0.3):
         step = view.right[sofa] * aside * share
         yield (*rest, *(_shifted(view.items[at], step) for at in group))
+
+
+def _to_wall(view: View) -> Iterator[Change]:
+    """The whole group moved back, so that no slit is left behind the sofa."""
+    sofa = longest_sofa(view)
+    if sofa is None:
+        return
+    half = float(view.length[sofa]) / 2 - 0.1
+    free = view.behind(sofa, -half, half, view.of("sofa_background"))
+    group = loose(view, view.of(*_GROUP))
+    rest = but(view, group)
+    for step in (free - _TOUCH_M, free - 0.6):
+        back = -view.front[sofa] * step
+        yield (*rest, *(_shifted(view.items[at], back) for at in group))
 
 
 def _shifted(item: Item, step: FloatArray) -> Item:
@@ -305,6 +321,6 @@ BY_KIND = {
     "bathroom": (_shower, _basin),
     "washroom": (_basin,),
     "wc": (_basin,),
-    "living": (_slid("tv_cabinet"), _on_axis, _without_bare, _coffee_table, _armchairs),
+    "living": (_slid("tv_cabinet"), _on_axis, _to_wall, _without_bare, _coffee_table, _armchairs),
 }
 """By kind of room, in order."""

@@ -13,6 +13,7 @@ import numpy as np
 from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.view import View
+from chord_usd.base.metrics.design.way_rules import leaves_ways
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.places.free_places import free_boxes
 from chord_usd.base.places.wall_frames import WallFrame
@@ -38,6 +39,8 @@ _GRID_PLACES = 1000
 """Between places of a table on free floor."""
 _STEP_M = 0.4
 """Between places along a wall."""
+_LAID = 32
+"""Tables beside which ways are looked for."""
 
 _LOOSE = ("table", "chair", "leisure_sofa", "lounge", "side_coffee_table", "dining_cabinet")
 """Where no dining table is: what stands there while the home has none."""
@@ -94,6 +97,13 @@ def laid_table(view: View, seats: int, table: int | None = None) -> Iterator[Cha
             else replace(view.items[table], box=spot.box)
         )
         yield (*rest, laid, *round_table(spot.box, spot.counts, size, view.shell.room.id))
+
+
+def beside_ways(view: View, changes: Iterator[Change]) -> Iterator[Change]:
+    """Those of some changes that leave ways through the room, evenly; without any, all."""
+    every = list(changes)
+    some = every[:: 1 + len(every) // _LAID]
+    yield from [one for one in some if leaves_ways(View(view.shell, one, view.hung))] or every
 
 
 def laid_instead(view: View, seats: int) -> Iterator[Change]:

@@ -14,11 +14,13 @@ from chord_usd.base.metrics.complete import WALLED
 from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.bedroom_rules import WARDROBE_RULES, bedside, wardrobes
 from chord_usd.base.metrics.design.dining_rules import chairs_of
+from chord_usd.base.metrics.design.group_rules import strays
 from chord_usd.base.metrics.design.living_rules import SINGLES
 from chord_usd.base.metrics.design.price import conflicts, quick_price
 from chord_usd.base.metrics.design.shell import TOUCH_M
 from chord_usd.base.metrics.design.shut_leaves import shut_in
 from chord_usd.base.metrics.design.view import View, sleepers_of
+from chord_usd.base.metrics.rooms import stands_in
 from chord_usd.base.scene.geometry import to_world
 from chord_usd.base.scene.types import WET_KINDS, Box, Item
 from chord_usd.base.scene.units import wrap_deg
@@ -35,7 +37,7 @@ from chord_usd.line.lists.changes import (
     loose,
     new_piece,
 )
-from chord_usd.line.lists.dining_changes import laid_table, more_chairs, seats_at
+from chord_usd.line.lists.dining_changes import beside_ways, laid_table, more_chairs, seats_at
 from chord_usd.line.lists.improve import free_of_clashes
 from chord_usd.line.lists.pieces import TALL_M
 from chord_usd.line.lists.second_zone import second_zone
@@ -68,6 +70,8 @@ each other piece."""
 _WORTH = 0.5
 """Weight of broken rules from which on a whole group is placed again: a search of a second."""
 _DEEP_M2 = 16.0
+_BESIDE_M = 0.05
+"""From a sofa to a side table."""
 _VIEWED_FROM_M = (2.2, 3.0)
 """From the front of a sofa to a television, where no wall is behind the sofa."""
 
@@ -87,7 +91,26 @@ def changes_of(view: View) -> list[Propose]:
     last: Mapping[str, Sequence[Propose]] = {
         "living": (zoned, slept_in, second_zone), "bedroom": (wardrobe_instead,),
     }  # fmt: skip
-    return [*changes, *chairs, moved, *last.get(view.shell.kind, ())]
+    return [*changes, *chairs, moved, *last.get(view.shell.kind, ()), regrouped]
+
+
+def regrouped(view: View) -> Iterator[Change]:
+    """Pieces without what they belong to there: side tables beside the sofa, sideboards as
+    cabinets; or else without them."""
+    alone = loose(view, strays(view))
+    if not alone:
+        return
+    yield but(view, alone)
+    for at in alone:
+        item, rest = view.items[at], but(view, [at])
+        yield rest
+        if item.category == "dining_cabinet" and stands_in("cabinet", view.shell.kind):
+            yield (*rest, replace(item, category="cabinet"))
+        for sofa in view.of("sofa") if item.category == "side_coffee_table" else ():
+            out = float(view.length[sofa] + view.length[at]) / 2 + _BESIDE_M
+            for side in (-1, 1):
+                box = _placed(view.items[sofa].box, (side * out, 0.0), item.box.size_m, 0.0)
+                yield (*rest, moved_to(item, box))
 
 
 def moved(view: View) -> Iterator[Change]:
@@ -104,7 +127,8 @@ def moved(view: View) -> Iterator[Change]:
         elif item.category == "dining_table" and (
             item.id in named or named & {view.items[one].id for one in chairs_of(view, at)}
         ):
-            yield from laid_table(view, max(2, len(chairs_of(view, at))), at)
+            seats = max(2, len(chairs_of(view, at)))
+            yield from beside_ways(view, laid_table(view, seats, at))
         elif item.category in _ALONE and item.id in named:
             rest = (*view.items[:at], *view.items[at + 1 :])
             for box in at_walls(view, item.box.size_m):
@@ -282,7 +306,7 @@ def _grouped(view: View, moves: Sequence[int], is_small: bool = False) -> Iterat
         ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + coffee[1] / 2)
         table = new_piece(view, "coffee_table", _placed(box, (0.0, ahead), coffee, 0.0))
         before = [*(() if is_given else (sofa,)), *(() if has_table else (table,))]
-        reach = max(coffee[0], 1.2) / 2 + seat[1] / 2 + 0.15
+        reach = max(coffee[0] + 0.25, 1.35) / 2 + seat[1] / 2 + 0.1
         pair = [
             new_piece(view, chair, _placed(box, (side * reach, ahead), seat, -90.0 * side), n)
             for n, side in enumerate((-1, 1))

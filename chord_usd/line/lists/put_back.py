@@ -151,9 +151,9 @@ class _Work:
         self, rooms: Collection[str], known: Collection[str], compose: Compose | None
     ) -> None:
         """Give the home what it lacks, in these rooms. known: rules that no room could keep."""
-        for rule in lacking(self.home):
-            if rule in known:
-                continue
+        tried = {*known}
+        while rule := next((one for one in lacking(self.home) if one not in tried), None):
+            tried.add(rule)
             for at, changes in repairs(self.home, rule, compose):
                 if self.home.rooms[at].shell.room.id in rooms:
                     any(self.change(at, [propose]) for propose in changes)

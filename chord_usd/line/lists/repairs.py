@@ -16,6 +16,7 @@ from chord_usd.base.metrics.design.home_rules import (
     HALL,
     LAUNDRIES,
     LAUNDRY,
+    MORE_SHOES,
     MOST_DINERS,
     NO_HOME_WITHOUT,
     SHOES,
@@ -31,6 +32,7 @@ from chord_usd.base.scene.types import Box, FloatArray, RoomKind
 from chord_usd.line.lists.changes import Change, Propose, Size, at_walls, but, new_piece
 from chord_usd.line.lists.dining_changes import (
     Compose,
+    beside_ways,
     composed_around,
     laid_instead,
     laid_table,
@@ -105,6 +107,20 @@ def _without_machine(view: View) -> Iterator[Change]:
     return (but(view, [at]) for at in view.of(*having("laundry")))
 
 
+def _more_shoes(home: HomeView) -> Iterator[Repair]:
+    """No further shoe cabinet, the room farthest from the front door first."""
+    if home.entrance is None:
+        return
+    door = np.array(home.entrance.box.center_m[:2])
+    away = [float(distances(door[None], room.shell.sides).min()) for room in home.rooms]
+    for at in sorted(range(len(away)), key=lambda at: -away[at]):
+        yield at, iter([_without_shoes])
+
+
+def _without_shoes(view: View) -> Iterator[Change]:
+    return (but(view, [at]) for at in view.of("shoe_cabinet"))
+
+
 def _storage(home: HomeView) -> Iterator[Repair]:
     for at in _of_kinds(home, ("store",)):
         yield at, iter([partial(_added, category="cabinet", sizes=_SHELVES_M)])
@@ -156,15 +172,19 @@ def _tables(home: HomeView, at: int, compose: Compose | None) -> Iterator[Propos
     for seats in range(most, max(1, there), -1):
         if tables:
             yield partial(more_chairs, seats=seats)
-            yield partial(laid_table, seats=seats, table=tables[0])
+            yield partial(_laid, seats=seats, table=tables[0])
         else:
-            yield partial(laid_table, seats=seats)
+            yield partial(_laid, seats=seats)
             yield partial(laid_instead, seats=seats)
     if compose and room.shell.kind == "kitchen" and not home.of("dining_table"):
         yield from (
             partial(composed_around, propose=partial(laid_table, seats=seats), compose=compose)
             for seats in dict.fromkeys((most, 2))
         )
+
+
+def _laid(view: View, seats: int, table: int | None = None) -> Iterator[Change]:
+    return beside_ways(view, laid_table(view, seats, table))
 
 
 def _television(home: HomeView) -> Iterator[Repair]:
@@ -268,5 +288,6 @@ _COMPOSING: Mapping[str, Callable[[HomeView, Compose | None], Iterator[Repair]]]
 }  # fmt: skip
 _BY_RULE: Mapping[str, Callable[[HomeView], Iterator[Repair]]] = {
     NO_HOME_WITHOUT: _needed, TELEVISION: _television,
-    WARDROBES: _wardrobes, HALL: _hall, LAUNDRY: _laundry, LAUNDRIES: _laundries, STORAGE: _storage,
+    WARDROBES: _wardrobes, HALL: _hall, LAUNDRY: _laundry, LAUNDRIES: _laundries,
+    MORE_SHOES: _more_shoes, STORAGE: _storage,
 }  # fmt: skip

@@ -19,9 +19,11 @@ from chord_usd.base.metrics.design import (
     bathroom_rules,
     bedroom_rules,
     dining_rules,
+    group_rules,
     home_rules,
     kitchen_rules,
     living_rules,
+    way_rules,
 )
 from chord_usd.base.metrics.design.rule import Finding, Judged, Rule, judge
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
@@ -35,6 +37,8 @@ ROOM_RULES: Mapping[RoomKind, tuple[Rule[View], ...]] = {
     "living": living_rules.RULES,
     **dict.fromkeys(WET_KINDS, bathroom_rules.RULES),
 }
+EVERY_ROOM: tuple[Rule[View], ...] = (*way_rules.RULES, *group_rules.RULES)
+"""Asked of rooms of each kind."""
 
 
 @dataclass(frozen=True)
@@ -56,9 +60,10 @@ class Design:
 def judged_room(view: View) -> Iterator[Judged]:
     """A room by the rules of its kind, of a bed and a kitchen in it, and of its dining table."""
     shell = view.shell
-    rules = ROOM_RULES.get(shell.kind)
-    if rules:
-        yield judge(rules, view, shell.room.id, shell.kind, shell.area_m2)
+    rules = ROOM_RULES.get(shell.kind, ())
+    own = judge((*rules, *EVERY_ROOM), view, shell.room.id, shell.kind, shell.area_m2)
+    if rules or own.asked:
+        yield own
     if shell.kind != "bedroom" and view.of("bed"):
         yield judge(bedroom_rules.RULES, view, shell.room.id, "bedroom", shell.area_m2)
     if shell.kind != "kitchen" and view.of("sink_cabinet") and view.of("cooker_cabinet"):

@@ -8,6 +8,7 @@ import numpy as np
 
 from chord_usd.base.metrics.design.rule import Measured, Rule, flag
 from chord_usd.base.metrics.design.view import View
+from chord_usd.base.metrics.design.way_rules import unreached
 from chord_usd.base.scene.palette import having
 
 _SINGLES = having("easy_chair")
@@ -72,6 +73,17 @@ def _pull_out(view: View, table: int, chair: int, chairs: list[int]) -> float:
     return view.beside(table, sign, at - half, at + half, chairs)
 
 
+def _unreached(view: View) -> Iterator[Measured]:
+    """Sides of tables to whose chairs nobody gets."""
+    for table in view.of("dining_table"):
+        by_side: dict[tuple[int, int], list[int]] = {}
+        for chair in chairs_of(view, table):
+            by_side.setdefault(_side(view, table, chair), []).append(chair)
+        sides = [*by_side.values()]
+        shut = [chair for at in unreached(view, sides) for chair in sides[at]]
+        yield Measured(len(shut), view.point(table), _id(view, *shut))
+
+
 def _lounge(view: View) -> Iterator[Measured]:
     """From the table to the nearest sofa or armchair."""
     seats = view.of("sofa", *_SINGLES)
@@ -97,12 +109,13 @@ def _lengths(view: View) -> Iterator[Measured]:
 
 
 RULES: tuple[Rule[View], ...] = (
-    Rule("chairs at the table", 2, "count", "HUD 1973", _chairs),
+    Rule("chairs at the table", 2, "count", "HUD 1973", _chairs, weight=2.0),
     Rule("table edge a seat", 0.60, "m", "NKBA 9", _edge),
     Rule("behind the table's edge to pull a chair out", 0.75, "m", "NKBA 8", _behind),
     Rule("behind the table's edge where nobody passes", 0.81, "m", "NKBA 8", _behind, weight=0.5),
     Rule("behind the table's edge to edge past", 0.91, "m", "NKBA 8", _behind, weight=0.3),
     Rule("from the table to seats of the lounge", 0.61, "m", "HUD 1973", _lounge, weight=0.5),
+    Rule("chairs that nobody gets to", 0, "count", "NKBA 8", _unreached, at_most=True),
     Rule("kitchen not next door", 0, "count", "planning guides", _next_door, at_most=True),
     Rule(
         "table too short by", 0.0, "m", "Time-Saver Standards", _lengths, at_most=True, weight=0.3

@@ -13,6 +13,7 @@ from chord_usd.base.metrics.design.dining_rules import chairs_of
 from chord_usd.base.metrics.design.rule import Measured, Rule
 from chord_usd.base.metrics.design.shell import Hole
 from chord_usd.base.metrics.design.view import HomeView, Point, View, distances
+from chord_usd.base.metrics.rooms import is_studio
 from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import WET_KINDS, FloatArray
 
@@ -22,7 +23,7 @@ LAUNDRY, LAUNDRIES = "laundry", "washing machines"
 TABLE, STORAGE = "dining table", "storage in a store room"
 NO_HOME_WITHOUT, DINERS = "what no home is without", "diners without a seat"
 TELEVISION, WARDROBES = "television", "wardrobe a sleeper"
-SHOES = "shoe cabinet from the entrance"
+SHOES, MORE_SHOES = "shoe cabinet from the entrance", "shoe cabinets"
 HALL = "share of the floor behind the entrance taken"
 """Names of rules that pieces which are added keep."""
 _STORAGE, _LAUNDRY = having("storage"), having("laundry")
@@ -55,6 +56,13 @@ def _diners(home: HomeView) -> Iterator[Measured]:
     seats = sum(room.once(_seats) for room in home.rooms)
     wanted = min(max(1, home.sleepers), MOST_DINERS)
     yield Measured(max(0, wanted - seats), _middle(home))
+
+
+def _unseated(home: HomeView) -> Iterator[Measured]:
+    """The same as a share of those who eat there."""
+    for one in _diners(home):
+        wanted = min(max(1, home.sleepers), MOST_DINERS)
+        yield Measured(one.have / wanted, one.at)
 
 
 def _seats(room: View) -> int:
@@ -115,6 +123,17 @@ def _empty_stores(home: HomeView) -> Iterator[Measured]:
             yield Measured(len(room.of(*_STORAGE, *_LAUNDRY)), room.middle)
 
 
+def _bare_bedrooms(home: HomeView) -> Iterator[Measured]:
+    """Bedrooms without a bed; of a studio, its living room."""
+    kind = "living" if is_studio([room.shell.kind for room in home.rooms]) else "bedroom"
+    slept_in = [room for room in home.rooms if room.shell.kind == kind]
+    if kind == "living":
+        slept_in = [room for room in slept_in if room.shell.is_largest]
+    bare = [room for room in slept_in if not room.of("bed")]
+    if slept_in:
+        yield Measured(len(bare), bare[0].middle if bare else _middle(home))
+
+
 def _bathrooms(home: HomeView) -> list[View]:
     return [room for room in home.rooms if room.shell.kind in WET_KINDS]
 
@@ -127,15 +146,20 @@ def _wash(home: HomeView) -> Iterator[Measured]:
 
 RULES: tuple[Rule[HomeView], ...] = (
     Rule(NO_HOME_WITHOUT, 0, "count", "NDSS", _lacks, at_most=True, weight=2.0),
+    Rule("rooms to sleep in without a bed", 0, "count", "NDSS", _bare_bedrooms, at_most=True,
+         weight=2.0),
     Rule(WARDROBES, 1.00, "m", "HUD 1973", _wardrobe),
     Rule(LAUNDRY, 1, "count", "DIN 18022", _count(*_LAUNDRY)),
     Rule(LAUNDRIES, 1, "count", "planning guides", _count(*_LAUNDRY), at_most=True, weight=0.5),
     Rule(DINERS, 0, "count", "HUD 1973", _diners, at_most=True),
+    Rule("share of the diners without a seat", 0.4, "share", "HUD 1973", _unseated, at_most=True),
     Rule(TABLE, 1, "count", "HUD 1973", _count("dining_table")),
     Rule(TELEVISION, 1, "count", "planning guides", _televisions),
     Rule("refrigerator", 1, "count", "NKBA 3", _count("refrigerator")),
     Rule("bath or shower", 1, "count", "DIN 18022", _wash),
     Rule(SHOES, 3.00, "m", "DIN 18011", _shoes, at_most=True),
+    Rule(MORE_SHOES, 1, "count", "planning guides", _count("shoe_cabinet"), at_most=True,
+         weight=0.5),
     Rule(HALL, 0.03, "share", "DIN 18011", _hall, at_most=True),
     Rule(STORAGE, 1, "count", "NDSS", _empty_stores, weight=0.5),
-)
+)  # fmt: skip

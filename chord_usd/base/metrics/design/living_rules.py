@@ -202,6 +202,15 @@ def _sofa_window(view: View) -> Iterator[Measured]:
         yield flag(bool(view.windows_behind(at)), view.point(at), *_id(view, at))
 
 
+def _behind_sofa(view: View) -> Iterator[Measured]:
+    """A sofa that is neither at a wall nor so far from it that people walk behind it."""
+    at = _sofa(view)
+    if at is not None:
+        half = view.length[at] / 2 - 0.1
+        free = view.behind(at, -half, half, view.of("sofa_background"))
+        yield flag(0.15 < free < 0.58, view.point(at), *_id(view, at))
+
+
 RULES: tuple[Rule[View], ...] = (
     Rule("sofa", 1, "count", "planning guides", _has_sofa, weight=2.0),
     Rule("television", 1, "count", "planning guides", _has_television, weight=2.5),
@@ -248,7 +257,7 @@ RULES: tuple[Rule[View], ...] = (
         at_most=True,
         weight=0.3,
     ),
-    Rule("armchair to the coffee table", 0.10, "m", "planning guides", _knees, weight=0.5),
+    Rule("armchair to the coffee table", 0.25, "m", "planning guides", _knees, weight=0.5),
     Rule("armchair from the sofa", 3.00, "m", "HUD 1973", _apart, at_most=True),
     Rule("armchair turned from the group", 45, "deg", "HUD 1973", _turned_away, at_most=True),
     Rule("seats to talk to", 1, "count", "HUD 1973", _talk),
@@ -266,4 +275,5 @@ RULES: tuple[Rule[View], ...] = (
         for share, most_m2 in (("a part", 6.0), ("most of it", 12.0))
     ),
     Rule("sofa before a window", 0, "count", "planning guides", _sofa_window, at_most=True),
+    Rule("slit behind the sofa", 0, "count", "HUD 1973", _behind_sofa, at_most=True, weight=0.5),
 )

@@ -18,6 +18,7 @@ from chord_usd.base.metrics.clear_floor import (
     sides_of,
     solid_sides,
 )
+from chord_usd.base.metrics.design.floor_ways import WIDEST, Cells, Floor, Goal
 from chord_usd.base.metrics.rooms import mixed_kind
 from chord_usd.base.scene.geometry import room_polygon, room_sides
 from chord_usd.base.scene.types import (
@@ -175,26 +176,51 @@ class Ground:
     """(2,) where its first cell is."""
     floor: ByteArray
     """(H, W) 1 in the room."""
-    ways: tuple[tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]], ...]
-    """Rows and columns of the cells behind each way into the room."""
+    outline: npt.NDArray[np.int32]
+    """(N, 2) columns and rows of its corners."""
+    ways: tuple[Cells, ...]
+    """The cells behind each way into the room."""
+    goals: tuple[Goal, ...]
+    """More of them, for walkers of any width."""
 
     @classmethod
     def of(cls, polygon_m: FloatArray, ways: Sequence[Hole]) -> Ground:
         """Of a room with these ways."""
         low = polygon_m.min(axis=0) - _MARGIN_M
         width, height = np.ceil((np.ptp(polygon_m, axis=0) + 2 * _MARGIN_M) / CELL_M).astype(int)
-        ground = cls(low, np.zeros((height, width), np.uint8), ())
-        cv2.fillPoly(ground.floor, [ground.cells(polygon_m)], (1,))
-        behind = []
+        outline = np.rint((polygon_m - low) / CELL_M).astype(np.int32)
+        ground = cls(low, np.zeros((height, width), np.uint8), outline, (), ())
+        cv2.fillPoly(ground.floor, [outline], (1,))
+        behind = tuple(ground._behind(hole, _BEHIND_M) for hole in ways)
+        goals = []
         for hole in ways:
-            strip = np.zeros_like(ground.floor)
-            near = hole.inward * hole.depth_m / 2
-            far = hole.inward * (hole.depth_m / 2 + _BEHIND_M)
-            ends = np.concatenate([hole.ends + near, hole.ends[::-1] + far])
-            cv2.fillPoly(strip, [ground.cells(ends)], (1,))
-            rows, columns = np.nonzero(strip)
-            behind.append((rows, columns))
-        return cls(low, ground.floor, tuple(behind))
+            rows, columns = ground._behind(hole, WIDEST * CELL_M)
+            at = low + CELL_M * np.stack([columns, rows], axis=-1)
+            goals.append(((rows, columns), (at - hole.middle) @ hole.inward / CELL_M
+                          - hole.depth_m / 2 / CELL_M))  # fmt: skip
+        return cls(low, ground.floor, outline, behind, tuple(goals))
+
+    def _behind(self, hole: Hole, deep_m: float) -> Cells:
+        """The cells so far behind a way into the room."""
+        strip = np.zeros_like(self.floor)
+        near = hole.inward * hole.depth_m / 2
+        far = hole.inward * (hole.depth_m / 2 + deep_m)
+        ends = np.concatenate([hole.ends + near, hole.ends[::-1] + far])
+        cv2.fillPoly(strip, [self.cells(ends)], (1,))
+        rows, columns = np.nonzero(strip)
+        return rows, columns
+
+    @cached_property
+    def within(self) -> ByteArray:
+        """(H, W) the same without the cells at the walls: with pieces, cells at edges are taken."""
+        floor = self.floor.copy()
+        cv2.polylines(floor, [self.outline], True, (0,))
+        return floor
+
+    @cached_property
+    def way_m(self) -> float:
+        """Width of the widest way that joins all ways into the empty room."""
+        return Floor(self.within, self.goals).widest()[0] * CELL_M
 
     def cells(self, points_m: FloatArray) -> npt.NDArray[np.int32]:
         """(N, 2) columns and rows of points."""

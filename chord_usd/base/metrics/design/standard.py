@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from chord_usd.base.errors import ChordError
-from chord_usd.base.metrics.design import ROOM_RULES, access, dining_rules
+from chord_usd.base.metrics.design import EVERY_ROOM, ROOM_RULES, access, dining_rules
 from chord_usd.base.metrics.design.price import CLAUSES
 from chord_usd.base.metrics.design.rule import Finding, Measured, Rule, Unit, judge
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
@@ -38,7 +38,7 @@ OF_PLAN: Mapping[str, Callable[[View], Iterable[Measured]]] = {
 """Measures that an empty room already limits."""
 
 OF_ROOM: Mapping[str, Callable[[View], Iterable[Measured]]] = {
-    **{rule.name: rule.measure for rules in (*ROOM_RULES.values(), dining_rules.RULES)
+    **{rule.name: rule.measure for rules in (*ROOM_RULES.values(), EVERY_ROOM, dining_rules.RULES)
        for rule in rules},
     **OF_PLAN,
     "beside the bed, lesser side": access.beside_bed(0),
