@@ -178,7 +178,7 @@ def commission_of_text(text: str, load_encoder: Callable[[], TextEncoder]) -> Co
     said = text if found.english else wish.sentence
     encoder = load_encoder()
     words = condition_words(wish, encoder.encode([said])[0], encoder.channels)
-    return Commission(wish, found.told, words, unheard=found.warnings)
+    return Commission(wish, found.summary, words, unheard=found.warnings)
 
 
 def commission_in_shell(shell: Plan, text: str = "") -> Commission:
@@ -192,7 +192,7 @@ def commission_in_shell(shell: Plan, text: str = "") -> Commission:
     words = condition_words(wish)
     if not found:
         return Commission(wish, "", words, shell)
-    return Commission(wish, found.told, words, shell, found.warnings)
+    return Commission(wish, found.summary, words, shell, found.warnings)
 
 
 def carry_out(

@@ -35,19 +35,19 @@ def chain_scales(texts: Sequence[Text]) -> Iterator[tuple[float, str]]:
     """(metres per pixel, what is printed) of each two lengths that follow one another in a row
     along or up the sheet. Where a number between them was not read the scale is wrong."""
     for _, row in _chains(texts):
-        for one, other in pairwise(row):
-            apart_px = other.along_px - one.along_px
-            if apart_px > max(one.height_px, other.height_px):
-                between_m = (one.length_m + other.length_m) / 2
-                yield between_m / apart_px, f"{one.text} | {other.text}"
+        for length, other in pairwise(row):
+            apart_px = other.along_px - length.along_px
+            if apart_px > max(length.height_px, other.height_px):
+                between_m = (length.length_m + other.length_m) / 2
+                yield between_m / apart_px, f"{length.text} | {other.text}"
 
 
 def chain_lengths(texts: Sequence[Text]) -> Iterator[tuple[float, float, int]]:
     """(metres, middle in pixels, axis along which it is measured: 0 for x, 1 for y) of each length
     in a row."""
     for axis, row in _chains(texts):
-        for one in row:
-            yield one.length_m, one.along_px, axis
+        for length in row:
+            yield length.length_m, length.along_px, axis
 
 
 def _chains(texts: Sequence[Text]) -> Iterator[tuple[int, list[_Length]]]:
@@ -57,12 +57,12 @@ def _chains(texts: Sequence[Text]) -> Iterator[tuple[int, list[_Length]]]:
         _THOUSANDS.fullmatch(text.text) for text in texts
     )
     for axis in (0, 1):
-        found = [
+        lengths = [
             length
             for text in texts
             if text.is_upright == (axis == 1) and (length := _length(text, are_mm)) is not None
         ]
-        yield from ((axis, row) for row in _rows(found))
+        yield from ((axis, row) for row in _rows(lengths))
 
 
 def _length(text: Text, are_mm: bool) -> _Length | None:
@@ -82,11 +82,11 @@ def _length(text: Text, are_mm: bool) -> _Length | None:
 
 def _rows(lengths: Sequence[_Length]) -> Iterator[list[_Length]]:
     """Lengths that stand on one line, in order."""
-    left = sorted(lengths, key=lambda one: one.across_px)
+    left = sorted(lengths, key=lambda length: length.across_px)
     while left:
         first = left[0]
         reach = first.across_px + _IN_ROW * first.height_px
-        row = [one for one in left if one.across_px <= reach]
+        row = [length for length in left if length.across_px <= reach]
         left = left[len(row) :]
         if len(row) > 1:
-            yield sorted(row, key=lambda one: one.along_px)
+            yield sorted(row, key=lambda length: length.along_px)

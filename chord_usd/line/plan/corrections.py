@@ -45,9 +45,9 @@ def read_rooms(text: str) -> tuple[RoomSaid, ...]:
             raise _error(f"'{_shown(word)}' is no kind of room", f"one of {', '.join(LEADING)}")
         if which in said:
             raise _error(f"room {_shown(which)} is named twice", "each room once")
-        several = tuple(one for one in room_kinds(word) if can_share(one))
-        own = "" if word.casefold() == kind else word
-        said[which] = RoomSaid(which, kind, own, several if len(several) > 1 else ())
+        several = tuple(shared for shared in room_kinds(word) if can_share(shared))
+        name = "" if word.casefold() == kind else word
+        said[which] = RoomSaid(which, kind, name, several if len(several) > 1 else ())
     if not said:
         raise _error("is empty", "ROOM: KIND")
     return tuple(said.values())
@@ -57,37 +57,39 @@ def with_rooms(plan: Plan, said: Sequence[RoomSaid]) -> Plan:
     """The plan with rooms of the kinds that were said; ids stay. Raises ChordError, also where a
     floor has no room for all that is to share it."""
     changed = dict(enumerate(plan.rooms))
-    told: dict[int, str] = {}
-    for one in said:
-        index = _index(plan.rooms, one.which)
-        if index in told:
-            raise _error(f"{told[index]} and {one.which} are the same room", "each room once")
-        told[index] = one.which
+    named: dict[int, str] = {}
+    for room_said in said:
+        index = _index(plan.rooms, room_said.which)
+        if index in named:
+            raise _error(
+                f"{named[index]} and {room_said.which} are the same room", "each room once"
+            )
+        named[index] = room_said.which
         room = plan.rooms[index]
         extra = {**room.extra, KIND_CONFIDENCE: 1.0}
-        changed[index] = replace(room, kind=one.kind, name=one.name, extra=extra)
+        changed[index] = replace(room, kind=room_said.kind, name=room_said.name, extra=extra)
     corrected = replace(plan, rooms=tuple(changed.values()))
-    for index, one in zip(told, said, strict=True):
-        if one.shared:
-            corrected = _parted(corrected, plan.rooms[index].id, one)
+    for index, room_said in zip(named, said, strict=True):
+        if room_said.shared:
+            corrected = _parted(corrected, plan.rooms[index].id, room_said)
     return corrected
 
 
 def on_storeys(said: Sequence[RoomSaid], names: Sequence[str]) -> list[tuple[RoomSaid, ...]]:
     """What is said of the rooms of each storey: "1/3: bedroom" is room 3 on the storey above the
     lowest. names: of the storeys; they stand for the numbers, too. Raises ChordError."""
-    found: list[list[RoomSaid]] = [[] for _ in names]
+    by_storey: list[list[RoomSaid]] = [[] for _ in names]
     numbers = {str(index): index for index in range(len(names))}
     numbers |= {name.casefold(): index for index, name in enumerate(names) if name}
-    for one in said:
-        storey, slash, which = (part.strip() for part in one.which.partition("/"))
+    for room_said in said:
+        storey, slash, which = (part.strip() for part in room_said.which.partition("/"))
         if not slash or storey.casefold() not in numbers:
             raise _error(
-                f"room {_shown(one.which)} is on no storey of the house",
+                f"room {_shown(room_said.which)} is on no storey of the house",
                 f"STOREY/ROOM: KIND, storeys being 0 to {len(names) - 1}", '"1/3: bedroom"',
             )  # fmt: skip
-        found[numbers[storey.casefold()]].append(replace(one, which=which))
-    return [tuple(own) for own in found]
+        by_storey[numbers[storey.casefold()]].append(replace(room_said, which=which))
+    return [tuple(storey_rooms) for storey_rooms in by_storey]
 
 
 def _parted(plan: Plan, room_id: str, said: RoomSaid) -> Plan:

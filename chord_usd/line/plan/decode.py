@@ -135,7 +135,7 @@ def _rooms(
 # Gaps in walls that carry no leaf: where a plan raster lets one room run into the next -----------
 
 # In a shaded raster a passage is a white bar of the wall's thickness between grey rooms. In an
-# unshaded one it can only be told by the ends of the walls on both sides of it.
+# unshaded one it shows only by the ends of the walls on both sides of it.
 
 _T = TypeVar("_T", bound=np.generic)
 
@@ -169,8 +169,8 @@ class Gap:
 
 
 def _mode(values: npt.NDArray[_T]) -> _T:
-    found, counts = np.unique(values, return_counts=True)
-    return found[np.argmax(counts)]
+    distinct, counts = np.unique(values, return_counts=True)
+    return distinct[np.argmax(counts)]
 
 
 def find_passages(ink: Ink, thickness_px: float) -> list[BoolArray]:
@@ -218,9 +218,9 @@ def _parting_gaps(ink: Ink, closed: BoolArray, thickness_px: float) -> list[Gap]
 
 def _is_paved_as_gap(ink: Ink, gap: Gap) -> bool:
     """White, or with the floor of just one of its sides; else the floor merely runs past a wall."""
-    own = np.unique(gap.inner(ink.shade))
+    shades = np.unique(gap.inner(ink.shade))
     first, second = gap.sides(ink.shade)
-    return len(own) == 1 and (first != second or bool(gap.inner(ink.white).all()))
+    return len(shades) == 1 and (first != second or bool(gap.inner(ink.white).all()))
 
 
 def _gaps_along_rows(solid: BoolArray, thickness_px: float, *, transposed: bool) -> list[Gap]:
@@ -347,7 +347,7 @@ class Ink:
 
     @property
     def is_shaded(self) -> bool:
-        """Whether rooms are told apart by shade."""
+        """Whether rooms differ in shade."""
         return bool(np.any((self.shade != _WHITE) & ~self.solid))
 
 

@@ -124,20 +124,20 @@ def named_rooms(plan: Plan, texts: Sequence[Text], frame: PixelFrame) -> NamedRo
     names = [text for text in texts if kinds[id(text)] != "unknown"]
     crowded = []
     for room in plan.rooms:
-        own = texts_in(room, texts, frame)
-        said = [kinds[id(text)] for text in own if kinds[id(text)] != "unknown"]
-        if _is_several([text.text for text in own], said):
+        room_texts = texts_in(room, texts, frame)
+        said = [kinds[id(text)] for text in room_texts if kinds[id(text)] != "unknown"]
+        if _is_several([text.text for text in room_texts], said):
             crowded.append(room.id)
     return NamedRooms(tuple(crowded), tuple(_in_no_room(plan, names, frame)))
 
 
 def doubts(plan: Plan, regions: Regions, named: NamedRooms, frame: PixelFrame) -> list[str]:
     """What a user should look at, in sentences. frame: where the picture of the regions lies."""
-    told = [*_doubts_of_rooms(plan, named), *_doubts_of_openings(plan)]
+    warnings = [*_doubts_of_rooms(plan, named), *_doubts_of_openings(plan)]
     sides = _cut_sides(regions, [px_from_m(room.polygon_m, frame) for room in plan.rooms])
     if sides:
-        told.append(f"{CUT_OFF} at its {' and '.join(sides)} edge")
-    return told
+        warnings.append(f"{CUT_OFF} at its {' and '.join(sides)} edge")
+    return warnings
 
 
 def doubts_of_sizes(plan: Plan, fit: Fit, frame: PixelFrame) -> Iterator[str]:
@@ -154,27 +154,27 @@ def doubts_of_sizes(plan: Plan, fit: Fit, frame: PixelFrame) -> Iterator[str]:
 
 
 def _doubts_of_rooms(plan: Plan, named: NamedRooms) -> list[str]:
-    told = []
+    warnings = []
     if named.crowded:
-        told.append(
+        warnings.append(
             f"{', '.join(named.crowded)}: {OF_SEVERAL}; an opening or a wall may be missing"
         )
     if named.homeless:
-        told.append(f"{NO_ROOM} {', '.join(map(repr, named.homeless))} is printed")
+        warnings.append(f"{NO_ROOM} {', '.join(map(repr, named.homeless))} is printed")
     if all(room.kind == "unknown" for room in plan.rooms):
-        told.append("of no room is it known what it is for")
+        warnings.append("of no room is it known what it is for")
     ajar = [room.id for room in plan.rooms if OPEN in room.extra]
     if ajar:
-        told.append(f"{_listed(ajar, 'rooms')}: {OPEN_OUT}; a wall may be missing")
-    told += [
+        warnings.append(f"{_listed(ajar, 'rooms')}: {OPEN_OUT}; a wall may be missing")
+    warnings += [
         f"{room.id}: walls within it take up {room.extra[SURROUNDS]:g} m², which are no room"
         for room in plan.rooms
         if SURROUNDS in room.extra
     ]
     shaky = [room.id for room in plan.rooms if is_shaky(room)]
     if shaky:
-        told.append(f"{UNSURE_RIMS} {_listed(shaky, 'rooms')} are uncertain")
-    return told
+        warnings.append(f"{UNSURE_RIMS} {_listed(shaky, 'rooms')} are uncertain")
+    return warnings
 
 
 def _listed(ids: Sequence[str], what: str) -> str:
@@ -185,18 +185,18 @@ def _listed(ids: Sequence[str], what: str) -> str:
 
 
 def _doubts_of_openings(plan: Plan) -> list[str]:
-    told = []
+    warnings = []
     vague = [opening.id for opening in plan.openings if is_vague(opening)]
     if vague:
         is_one = len(vague) == 1
-        told.append(f"{UNSURE_WHAT} {_listed(vague, 'openings')} {'is' if is_one else 'are'}")
+        warnings.append(f"{UNSURE_WHAT} {_listed(vague, 'openings')} {'is' if is_one else 'are'}")
     groups = reached_together(plan)
     if len(groups) > 1:
         apart = [room_id for group in groups[1:] for room_id in group]
         guessed = [opening.id for opening in plan.openings if is_guessed(opening)]
         put = f": {_listed(guessed, 'doors')} put where likeliest" if guessed else ""
-        told.append(f"{NO_DOOR} {_listed(apart, 'rooms')}; one may be missing{put}")
-    return told
+        warnings.append(f"{NO_DOOR} {_listed(apart, 'rooms')}; one may be missing{put}")
+    return warnings
 
 
 def _in_no_room(plan: Plan, names: Sequence[Text], frame: PixelFrame) -> Iterator[str]:
@@ -220,14 +220,16 @@ def _is_several(texts: Sequence[str], kinds: Sequence[RoomKind]) -> bool:
     measures = [m for m in map(parse_measure, texts) if m is not None]
     sizes = distinct([measure for measure in measures if measure.kind == "size"])
     areas = distinct([measure for measure in measures if measure.kind == "area"])
-    own = sum(kind in _OWN_ROOM for kind in kinds)
+    separate = sum(kind in _OWN_ROOM for kind in kinds)
     return (
-        max(len(sizes), len(areas)) > 1 or len(kinds) >= _MOST_NAMES or (own > 0 and len(kinds) > 1)
+        max(len(sizes), len(areas)) > 1
+        or len(kinds) >= _MOST_NAMES
+        or (separate > 0 and len(kinds) > 1)
     )
 
 
 def _cut_sides(regions: Regions, polygons_px: Sequence[FloatArray]) -> list[str]:
-    """Edges of the picture that walls run out of, but for those of rooms that end there, and
+    """Edges of the picture that walls run out of, but for walls of rooms that end there, and
     edges that rooms lie open to."""
     margin = max(4, round(0.012 * min(regions.solid.shape)))
     reach = margin + round(_WALLS_NEAR * regions.thickness_px)

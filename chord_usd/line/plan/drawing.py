@@ -133,24 +133,24 @@ def read_sheet(
     Without titles the largest is the lowest. Raises CheckpointError, and PlanError.
     """
     page = replace(_page(rgb, m_per_px, 1, known, None), is_home=False)
-    found = list(_all_parts(page))
-    if m_per_px is None and len(found) > 1:
-        surest = max(found, key=lambda one: one.plan.extra[SCALE]["confidence"])
+    parts = list(_all_parts(page))
+    if m_per_px is None and len(parts) > 1:
+        surest = max(parts, key=lambda part: part.plan.extra[SCALE]["confidence"])
         scaled = replace(page, m_per_px=surest.plan.extra[SCALE]["mPerPx"])
-        found = list(_all_parts(scaled))
-    titles = titled([one.bounds_px for one in found], page.texts)
+        parts = list(_all_parts(scaled))
+    titles = titled([part.bounds_px for part in parts], page.texts)
     rows = [
-        (title[0] if title else 0.5 * index, index, _alone(one.plan), title[1] if title else "")
-        for index, (one, title) in enumerate(zip(found, titles, strict=True))
+        (title[0] if title else 0.5 * index, index, _alone(part.plan), title[1] if title else "")
+        for index, (part, title) in enumerate(zip(parts, titles, strict=True))
     ]
     return [(plan, title) for _, _, plan, title in sorted(rows, key=lambda row: row[:2])]
 
 
 def _alone(plan: Plan) -> Plan:
     """A plan without the warning that the sheet shows others."""
-    told = [one for one in plan.extra.get(WARNINGS, ()) if not one.startswith(_SHOWS)]
+    warnings = [line for line in plan.extra.get(WARNINGS, ()) if not line.startswith(_SHOWS)]
     rest = {key: value for key, value in plan.extra.items() if key != WARNINGS}
-    return replace(plan, extra={**rest, **({WARNINGS: told} if told else {})})
+    return replace(plan, extra={**rest, **({WARNINGS: warnings} if warnings else {})})
 
 
 def _all_parts(page: _Page) -> Iterator[_Found]:
@@ -224,21 +224,21 @@ class NoSuchPartError(PlanError):
 
 def _read_part(page: _Page) -> _Found:
     """One plan of a sheet, with its scale, names and doubts. Raises PlanError."""
-    reading, told = _taken(read_seen(page.segments, page.given), page)
+    reading, warnings = _taken(read_seen(page.segments, page.given), page)
     scale = _scale(reading, page)
     for _ in range(_READINGS):
         if abs(math.log(scale.m_per_px / reading.frame.m_per_px)) <= _REREAD:
             break
-        reading, told = _taken(reading.again(scale.m_per_px), page)
+        reading, warnings = _taken(reading.again(scale.m_per_px), page)
         # What is a room says, in turn, which printed sizes are heard.
         again = _scale(reading, page)
         scale = again if again.is_printed else scale
-    several = any(one.startswith(_SHOWS) for one in told)
+    several = any(line.startswith(_SHOWS) for line in warnings)
     page = replace(page, is_home=page.is_home and not several)
-    found = found_on(page.sheet, scale.m_per_px)
-    reading = _without_pieces(reading, page, scale.m_per_px, found)
+    seen_pieces = found_on(page.sheet, scale.m_per_px)
+    reading = _without_pieces(reading, page, scale.m_per_px, seen_pieces)
     reading, shown = _without_lifts(reading, page, scale.m_per_px)
-    drawn_px = _drawn_px(found, reading, page, scale.m_per_px)
+    drawn_px = _drawn_px(seen_pieces, reading, page, scale.m_per_px)
     baths_px = [outline for name, outline in drawn_px if name in NICHES]
     reading = without_doors_onto_baths(reading, scale.m_per_px, baths_px)
     reading = with_ways_in(reading, scale.m_per_px, [outline for _, outline in drawn_px])
@@ -248,9 +248,9 @@ def _read_part(page: _Page) -> _Found:
     frame = replace(reading.frame, m_per_px=scale.m_per_px)
     refuse_nonsense(reading.polygons_px, reading.regions, frame)
     seen = seen_kinds(page.segments.kinds, frame)
-    pieces = pieces_within(found, reading, page.sheet, frame)
+    pieces = pieces_within(seen_pieces, reading, page.sheet, frame)
     plan, parted = _plan(reading, page, frame, _Seen(seen, pieces))
-    faint = pieces_within(found, reading, page.sheet, frame, is_sure=False)
+    faint = pieces_within(seen_pieces, reading, page.sheet, frame, is_sure=False)
     # What is faint says of no room what it is.
     told_apart = with_wet_kinds(replace(plan, extra={DRAWN: to_entry(pieces)}))
     pieces = with_needed(pieces, faint, told_apart.rooms)
@@ -259,7 +259,7 @@ def _read_part(page: _Page) -> _Found:
     sheet = page.sheet
     drawing = PixelFrame(scale.m_per_px * sheet.shrink, (0.0, 0.0), sheet.height_px)
     rooms = named_rooms(plan, page.texts, frame)
-    told += [
+    warnings += [
         *shown,
         *scale.warnings(),
         *(doubts_of_sizes(plan, fitted, frame) if fitted is not None else ()),
@@ -272,7 +272,7 @@ def _read_part(page: _Page) -> _Found:
     extra |= {DRAWN_STAIRS: stairs} if stairs else {}
     extra |= {DRAWN: to_entry(pieces)} if pieces else {}
     extra |= {JOINED: reading.joined} if reading.joined else {}
-    plan = replace(plan, extra={**extra, **({WARNINGS: told} if told else {})})
+    plan = replace(plan, extra={**extra, **({WARNINGS: warnings} if warnings else {})})
     corners = np.concatenate(reading.polygons_px)
     bounds = np.array([corners.min(axis=0), corners.max(axis=0)])
     return _Found(plan, bounds)
@@ -322,28 +322,28 @@ def _taken(reading: SeenReading, page: _Page) -> tuple[SeenReading, list[str]]:
     """The plan that was asked for, with floors joined that no wall parts, and what to say of
     others. Raises PlanError."""
     whole = without_false_borders(reading, _are_named(reading, page))
-    chosen, told = _take_part(whole, page.part)
+    chosen, lines = _take_part(whole, page.part)
     left, said = without_scraps(chosen, _are_named(chosen, page))
-    return left, [*told, *said]
+    return left, [*lines, *said]
 
 
 def _without_pieces(
-    reading: SeenReading, page: _Page, m_per_px: float, found: Sequence[SeenPiece]
+    reading: SeenReading, page: _Page, m_per_px: float, seen_pieces: Sequence[SeenPiece]
 ) -> SeenReading:
     """With floors joined to others that are furniture, or niches of baths."""
     frame = replace(reading.frame, m_per_px=m_per_px)
-    pieces = pieces_within(found, reading, page.sheet, frame)
+    pieces = pieces_within(seen_pieces, reading, page.sheet, frame)
     whole = without_pieces(reading, _are_named(reading, page), pieces, frame)
     return reading if whole is reading else _take_part(whole, page.part)[0]
 
 
 def _drawn_px(
-    found: Sequence[SeenPiece], reading: SeenReading, page: _Page, m_per_px: float
+    seen_pieces: Sequence[SeenPiece], reading: SeenReading, page: _Page, m_per_px: float
 ) -> list[tuple[str, Polygon]]:
     """Category and footprint, in pixels of the working picture, of the surely drawn pieces."""
     frame = replace(reading.frame, m_per_px=m_per_px)
-    pieces = pieces_within(found, reading, page.sheet, frame)
-    return [(one.category, Polygon(px_from_m(footprint(one.box), frame))) for one in pieces]
+    pieces = pieces_within(seen_pieces, reading, page.sheet, frame)
+    return [(piece.category, Polygon(px_from_m(footprint(piece.box), frame))) for piece in pieces]
 
 
 def _without_lifts(
@@ -422,10 +422,10 @@ def _plan(
         if page.known.is_open:
             return plan, []
         spots = {room.id: uses_named(room, page.texts, frame) for room in rooms}
-        parted, told, failed = part_floors(plan, uses, spots, seen.kinds, seen.pieces)
+        parted, lines, failed = part_floors(plan, uses, spots, seen.kinds, seen.pieces)
         failed |= too_small(parted, rooms, named)
         if failed <= banned:
-            return parted, [*said_of(parted, work), *told]
+            return parted, [*said_of(parted, work), *lines]
         banned |= failed
 
 
@@ -478,7 +478,9 @@ def _floors(
     has_windows = any(opening.kind == "window" for opening in reading.openings)
     floors = []
     for index, (room, outline) in enumerate(zip(rooms, reading.outlines, strict=True)):
-        own = [o for o in reading.openings if index in [at for at, _ in o.rooms] and not o.is_guess]
+        room_openings = [
+            o for o in reading.openings if index in [at for at, _ in o.rooms] and not o.is_guess
+        ]
         polygon = room_polygon(room)
         named = uses_named(room, page.texts, frame)
         floors.append(
@@ -487,9 +489,9 @@ def _floors(
                 polygon.area if seen else None, seen.kinds.areas_m2(polygon) if seen else {},
                 speaking(seen.pieces if seen else (), polygon)
                 | named_pieces(text.text for text in texts_in(room, page.texts, frame)),
-                sum(o.kind != "window" and len(o.rooms) == 2 for o in own),
-                any(o.kind == "door" and len(o.rooms) == 1 for o in own),
-                not has_windows or any(o.kind == "window" for o in own), outline.stairs,
+                sum(o.kind != "window" and len(o.rooms) == 2 for o in room_openings),
+                any(o.kind == "door" and len(o.rooms) == 1 for o in room_openings),
+                not has_windows or any(o.kind == "window" for o in room_openings), outline.stairs,
             )
         )  # fmt: skip
     return floors

@@ -4,8 +4,8 @@ Between rooms there is a wall with a door in it, or an opening with jambs. Where
 two floors is neither wall nor door, one of them is unsure and has no name, and that border is much
 of its rim, the border is the edge of a table, a bed or a rug. A floor that a piece of furniture
 covers and no door leads to is that piece, one as narrow as a worktop on which a sink or a hob is
-drawn is that worktop, and one that a bath or a shower covers is the niche of the bathroom beside,
-which a toilet or a basin tells, or else of the room it opens into.
+drawn is that worktop. A floor that a bath or a shower covers is a niche: of the bathroom beside,
+which a toilet or a basin marks, or else of the room that it opens into.
 """
 
 from __future__ import annotations
@@ -82,27 +82,31 @@ def without_pieces(
                 or _is_worktop(floors[room], pieces)):  # fmt: skip
             continue
         borders = borders or _borders(reading)
-        own = {pair: sums for pair, sums in borders.items() if room in pair}
-        of_bathroom = {pair: sums for pair, sums in own.items() if wet.intersection(pair) - {room}}
+        of_room = {pair: sums for pair, sums in borders.items() if room in pair}
+        of_bathroom = {
+            pair: sums for pair, sums in of_room.items() if wet.intersection(pair) - {room}
+        }
         if is_niche:
-            joined = _widest(own, of_bathroom, _WET_OPEN) or _widest(own, own, _NICHE_OPEN)
+            joined = _widest(of_room, of_bathroom, _WET_OPEN) or _widest(
+                of_room, of_room, _NICHE_OPEN
+            )
         else:
-            joined = _widest(own, own, 0.0)
+            joined = _widest(of_room, of_room, 0.0)
         pairs += joined
     return _joined(reading, pairs)
 
 
 def _holds(floor: Polygon, pieces: Sequence[Item], names: Collection[str]) -> bool:
     """Whether the middle of such a piece is drawn on a floor."""
-    spots = (Point(one.box.center_m[:2]) for one in pieces if one.category in names)
+    spots = (Point(piece.box.center_m[:2]) for piece in pieces if piece.category in names)
     return any(floor.covers(spot) for spot in spots)
 
 
 def _is_covered(floor: Polygon, pieces: Sequence[Item], names: Collection[str]) -> bool:
     """Whether a floor is such pieces, and most of these lies on it."""
-    own = [footprint_polygon(one.box) for one in pieces if one.category in names]
-    covered = shapely.union_all(own).intersection(floor).area
-    touched = sum(one.area for one in own if one.intersects(floor))
+    outlines = [footprint_polygon(piece.box) for piece in pieces if piece.category in names]
+    covered = shapely.union_all(outlines).intersection(floor).area
+    touched = sum(outline.area for outline in outlines if outline.intersects(floor))
     return bool(covered >= _COVERED * floor.area and covered >= _WITHIN * touched)
 
 
@@ -112,10 +116,10 @@ def _is_worktop(floor: Polygon, pieces: Sequence[Item]) -> bool:
     return wider.area <= _REST * floor.area and _holds(floor, pieces, _ON_WORKTOPS)
 
 
-def _widest(own: Borders, among: Borders, least_open: float) -> list[tuple[int, int]]:
+def _widest(of_room: Borders, among: Borders, least_open: float) -> list[tuple[int, int]]:
     """Of the borders of a room the pair where most of its rim lies, or is no wall if it has to be
     open; none for a room with a door. among: those to choose from."""
-    doors, rim = (sum(float(sums[at]) for sums in own.values()) for at in (2, 0))
+    doors, rim = (sum(float(sums[at]) for sums in of_room.values()) for at in (2, 0))
     sizes = {
         pair: float(sums[1] if least_open else sums[0])
         for pair, sums in among.items()
@@ -137,8 +141,8 @@ def _joined(reading: SeenReading, pairs: Sequence[tuple[int, int]]) -> SeenReadi
     numbers = [_number_of(polygon, labels) for polygon in reading.polygons_px]
     reach = max(2, round(_REACH * regions.thickness_px))
     count = 0
-    for one, other in pairs:
-        first, second = numbers[one], numbers[other]
+    for room, other in pairs:
+        first, second = numbers[room], numbers[other]
         gap = _between(labels == first, labels == second, reach) & (labels == 0)
         if 0 in (first, second) or first == second or not _joins(gap, labels, first, second):
             continue
@@ -164,7 +168,7 @@ def _number_of(polygon_px: FloatArray, labels: Labels) -> int:
 
 def _between(first: BoolArray, second: BoolArray, reach_px: int) -> BoolArray:
     """(H, W) what lies between two regions along a row or a column, no farther from either."""
-    found = np.zeros(first.shape, bool)
+    contact = np.zeros(first.shape, bool)
     for size, ends in (((reach_px, 1), ((0, 0), (reach_px - 1, 0))),
                        ((1, reach_px), ((0, 0), (0, reach_px - 1)))):  # fmt: skip
         kernel = np.ones(size[::-1], np.uint8)
@@ -172,5 +176,5 @@ def _between(first: BoolArray, second: BoolArray, reach_px: int) -> BoolArray:
             [cv2.dilate(mask.astype(np.uint8), kernel, anchor=end) > 0 for end in ends]
             for mask in (first, second)
         ]
-        found |= (grown[0][0] & grown[1][1]) | (grown[0][1] & grown[1][0])
-    return found
+        contact |= (grown[0][0] & grown[1][1]) | (grown[0][1] & grown[1][0])
+    return contact

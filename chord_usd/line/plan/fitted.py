@@ -29,7 +29,7 @@ _CHAIN_FITS = 0.03
 _MISFIT = 0.08
 """A printed size that is off by more than this share is a doubt."""
 _WALL = 1.6
-"""Two faces are those of a wall if no farther apart than so many usual walls are thick."""
+"""Two faces bound one wall if no farther apart than so many usual walls are thick."""
 _SEEN_PX, _SEEN_SHARE, _WALL_PX = 0.5, 0.02, 0.1
 """Standard deviation of distances as seen, and of the thickness of walls."""
 _PRINTED_PX, _PRINTED_SHARE = 0.5, 0.004

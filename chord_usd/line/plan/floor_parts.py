@@ -49,29 +49,29 @@ def part_floors(
     plan's drawing; pieces: drawn there. A kitchen is where its hob is drawn, if not where it is
     named.
     """
-    told: list[str] = []
+    warnings: list[str] = []
     failed: set[tuple[int, RoomKind]] = set()
     for index, (room, wanted) in enumerate(zip(plan.rooms, uses, strict=True)):
-        own = _uses_named(room, named.get(room.id, ()))
-        known = {use.kind for use in own}
-        needed = [*own, *(Use(kind) for kind in LEADING if kind in wanted.further - known)]
-        placed = {use.kind for use in own if use.spots_m}
+        room_uses = _uses_named(room, named.get(room.id, ()))
+        known = {use.kind for use in room_uses}
+        needed = [*room_uses, *(Use(kind) for kind in LEADING if kind in wanted.further - known)]
+        placed = {use.kind for use in room_uses if use.spots_m}
         asked = wanted.further - (known - {"kitchen"})
         free = [use.kind for use in needed if use.kind in asked - placed]
-        cooked = [one for one in uses if "kitchen" in one.all]
+        cooked = [part for part in uses if "kitchen" in part.all]
         may_cook = wanted in cooked or not cooked
         at_hobs = _at_hobs(needed, room, pieces)
         parted = _parted(plan, room, at_hobs, set(asked), seen, may_cook)
         if at_hobs != needed and parted is plan:
             parted = _parted(plan, room, needed, set(asked), seen, may_cook)
-        new = {one.id for one in parted.rooms} - {one.id for one in plan.rooms}
+        new = {old.id for old in parted.rooms} - {old.id for old in plan.rooms}
         for kind in free:
-            made = [one for one in parted.rooms if one.id in new and one.kind == kind]
-            made = [one for one in made if _can_hold(parted, one)]
-            told += [_told(parted, room, one.id, kind, seen) for one in made]
+            made = [part for part in parted.rooms if part.id in new and part.kind == kind]
+            made = [part for part in made if _can_hold(parted, part)]
+            warnings += [_split_note(parted, room, part.id, kind, seen) for part in made]
             failed |= {(index, kind)} if not made and kind not in known else set()
         plan = parted
-    return plan, told, failed
+    return plan, warnings, failed
 
 
 def _parted(
@@ -96,8 +96,8 @@ def _parted(
         if len({use.kind for use in uses}) < 2:
             continue
         parted = part_room(plan, room.id, uses, shown)
-        made = [one for one in parted.rooms if one not in plan.rooms]
-        kinds = {one.kind for one in made if one.kind in named or _can_hold(parted, one)}
+        made = [part for part in parted.rooms if part not in plan.rooms]
+        kinds = {part.kind for part in made if part.kind in named or _can_hold(parted, part)}
         tried.append((parted, kinds))
         if wanted | named <= tried[-1][1]:
             return parted
@@ -114,8 +114,8 @@ def _at_hobs(needed: list[Use], room: Room, pieces: Sequence[Item]) -> list[Use]
     """What a room is needed for, a kitchen without a place at its hobs."""
     floor = room_polygon(room)
     spots = tuple(
-        one.box.center_m[:2] for one in pieces
-        if one.category == "cooker_cabinet" and floor.covers(Point(one.box.center_m[:2]))
+        piece.box.center_m[:2] for piece in pieces
+        if piece.category == "cooker_cabinet" and floor.covers(Point(piece.box.center_m[:2]))
     )  # fmt: skip
     return [
         replace(use, spots_m=spots) if use.kind == "kitchen" and not use.spots_m else use
@@ -131,16 +131,16 @@ def _uses_named(room: Room, named: Sequence[Use]) -> list[Use]:
 
 def _uses_seen(room: Room, named: Sequence[Use], seen: SeenKinds) -> list[Use]:
     """What a floor may be used for, too, by what is drawn there."""
-    told = {use.kind for use in named}
-    if told and not told & _SHARED.keys():
+    known = {use.kind for use in named}
+    if known and not known & _SHARED.keys():
         return []
     areas = seen.areas_m2(room_polygon(room))
     likely = [kind for kind, least_m2 in _SHARED.items() if areas[kind] > least_m2]
-    return [Use(kind, is_needed=False) for kind in likely if kind not in told]
+    return [Use(kind, is_needed=False) for kind in likely if kind not in known]
 
 
-def _told(plan: Plan, host: Room, new: str, need: RoomKind, seen: SeenKinds | None) -> str:
-    """Of a part of a room that became a room."""
+def _split_note(plan: Plan, host: Room, new: str, need: RoomKind, seen: SeenKinds | None) -> str:
+    """The warning that a part of a room became a room."""
     if seen and seen.areas_m2(room_polygon(plan.room(new)))[need] > _LEAST_DRAWN_M2:
         return f"{new} is the part of {host.id} where a {need} is drawn"
     if need in room_kinds(host.name):
@@ -159,6 +159,6 @@ def too_small(
     pairs = [(by_id[room.id], known.kind) for room, known in zip(floors, named, strict=True)]
     return {
         (index, room.kind)
-        for index, (room, told) in enumerate(pairs)
-        if told == "unknown" and not _can_hold(plan, room)
+        for index, (room, kind) in enumerate(pairs)
+        if kind == "unknown" and not _can_hold(plan, room)
     }

@@ -105,14 +105,14 @@ def uses_of_dwellings(
     banned: Collection[tuple[int, RoomKind]],
 ) -> list[Uses]:
     """Uses of all floors: of each dwelling by itself, common parts as they are."""
-    found = [Uses("unknown")] * len(floors)
+    all_uses = [Uses("unknown")] * len(floors)
     for number in sorted(set(whose)):
-        own = [index for index, one in enumerate(whose) if one == number]
-        local = {(own.index(at), use) for at, use in banned if at in own}
-        uses = uses_of_home([floors[index] for index in own], is_home and number > 0, local)
-        for index, each in zip(own, uses, strict=True):
-            found[index] = each if number else Uses("corridor")
-    return found
+        members = [index for index, home in enumerate(whose) if home == number]
+        local = {(members.index(at), use) for at, use in banned if at in members}
+        uses = uses_of_home([floors[index] for index in members], is_home and number > 0, local)
+        for index, each in zip(members, uses, strict=True):
+            all_uses[index] = each if number else Uses("corridor")
+    return all_uses
 
 
 def of_dwelling(room: Room, number: int, whose: Sequence[int]) -> Room:
@@ -127,11 +127,11 @@ def said_of(plan: Plan, work: Sequence[str]) -> list[str]:
     """Of common parts and several dwellings, and of what is no home. work: names that say so."""
     count = len({dwelling_of(room) for room in plan.rooms} - {0})
     common = [room.id for room in plan.rooms if dwelling_of(room) == 0]
-    told = [f"{_SHOWS}{count} dwellings; --dwelling N takes one alone"] if count > 1 else []
+    lines = [f"{_SHOWS}{count} dwellings; --dwelling N takes one alone"] if count > 1 else []
     if common and count == 1:
-        told.append(f"{_SHOWS}a common landing or stair, which stays empty: {', '.join(common)}")
+        lines.append(f"{_SHOWS}a common landing or stair, which stays empty: {', '.join(common)}")
     listed = ", ".join(map(repr, dict.fromkeys(work)))
-    return [*told, f"{NO_HOME}: rooms are named {listed}"] if work else told
+    return [*lines, f"{NO_HOME}: rooms are named {listed}"] if work else lines
 
 
 def dwellings_of(kinds: Sequence[RoomKind], pairs: Sequence[tuple[int, int]]) -> list[int]:
@@ -162,14 +162,14 @@ def _homes(
     parts = [sorted(part) for part in hanging_together(len(kinds), left) if beside & set(part)]
     homes = [part for part in parts if _is_home(part, kinds)]
     seats = [{kinds[room] for room in part} & _SEATS for part in homes]
-    if not any("kitchen" in one for one in seats):
+    if not any("kitchen" in kinds_of for kinds_of in seats):
         return homes
-    return [part for part, one in zip(homes, seats, strict=True) if one != {"dining"}]
+    return [part for part, seat in zip(homes, seats, strict=True) if seat != {"dining"}]
 
 
 def _is_home(rooms: Collection[int], kinds: Sequence[RoomKind]) -> bool:
-    own = {kinds[room] for room in rooms}
-    return not own.isdisjoint(("bathroom", "wc")) and bool(own & _SEATS)
+    home_kinds = {kinds[room] for room in rooms}
+    return not home_kinds.isdisjoint(("bathroom", "wc")) and bool(home_kinds & _SEATS)
 
 
 def work_names(names: Sequence[str]) -> list[str]:

@@ -97,7 +97,7 @@ class Floor:
 
     chances: FloatArray
     """(K,) of KIND_NAMES, by what is drawn there."""
-    told: RoomKind = "unknown"
+    named_kind: RoomKind = "unknown"
     """The leading kind that its name says."""
     named: frozenset[RoomKind] = frozenset()
     """All kinds that its names say and that can share a floor."""
@@ -124,7 +124,7 @@ class Floor:
     @property
     def names_kitchen(self) -> bool:
         """Whether it is named a kitchen, among others."""
-        return "kitchen" in self.named | {self.told}
+        return "kitchen" in self.named | {self.named_kind}
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class Uses:
 
     @property
     def all(self) -> frozenset[RoomKind]:
-        """The leading use and those of parts."""
+        """The leading use and the uses of parts."""
         return self.further | {self.kind}
 
 
@@ -205,10 +205,10 @@ def _options(
     kinds: Sequence[RoomKind] = (*KIND_NAMES, "unknown")
     likeliest = max(KIND_NAMES, key=lambda kind: _chance(floor, kind))
     free = [kind for kind in kinds if kind not in banned]
-    for kind in free if floor.told == "unknown" else (floor.told,):
+    for kind in free if floor.named_kind == "unknown" else (floor.named_kind,):
         chance = _chance(floor, kind)
         nats = 0.0
-        if floor.told == "unknown":
+        if floor.named_kind == "unknown":
             # What speaks against the likeliest kind makes another one likelier, not none.
             against = _speaks_against(floor, likeliest if kind == "unknown" else kind)
             nats = math.log(max(chance, _LEAST_CHANCE)) - against
@@ -230,12 +230,12 @@ def _options(
 
 def speaking(pieces: Iterable[Item], floor: Polygon) -> dict[RoomKind, float]:
     """Nats for kinds of a floor by the pieces that are drawn on it."""
-    found: dict[RoomKind, float] = {}
+    spoken: dict[RoomKind, float] = {}
     for piece in pieces:
         kind, nats = _SPEAKS.get(piece.category, ("unknown", 0.0))
         if nats and floor.covers(Point(piece.box.center_m[:2])):
-            found[kind] = min(found.get(kind, 0.0) + nats * piece.score, _MOST_SPOKEN)
-    return found
+            spoken[kind] = min(spoken.get(kind, 0.0) + nats * piece.score, _MOST_SPOKEN)
+    return spoken
 
 
 def named_pieces(texts: Iterable[str]) -> dict[RoomKind, float]:
@@ -246,7 +246,7 @@ def named_pieces(texts: Iterable[str]) -> dict[RoomKind, float]:
         words = re.findall(r"\w+", plain(text.casefold()))
         phrases = {"_".join(words[a:b]) for a in range(len(words)) for b in range(a + 1, a + 4)}
         said = [_SPEAKS[_piece_words()[phrase]] for phrase in phrases & _piece_words().keys()]
-        said += [(kind, _PRINTED_NATS) for kind, own in _PRINTED.items() if phrases & {*own}]
+        said += [(kind, _PRINTED_NATS) for kind, words in _PRINTED.items() if phrases & {*words}]
         for kind, nats in {*said}:
             spoken[kind] = min(spoken.get(kind, 0.0) + nats, _MOST_SPOKEN)
     return spoken

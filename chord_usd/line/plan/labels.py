@@ -16,7 +16,7 @@ from chord_usd.line.plan.open_plans import Use, can_share
 from chord_usd.line.plan.text import Text
 
 KIND_CONFIDENCE = "kindConfidence"
-"""Key of Room.extra: how well its name was legible, or the drawing tells its kind, [0, 1]."""
+"""Key of Room.extra: how well its name was legible, or the drawing shows its kind, [0, 1]."""
 
 _BESIDE_M = 1.3
 """A name no farther from a room than this may be its."""
@@ -26,14 +26,14 @@ def named_by_texts(rooms: Sequence[Room], texts: Sequence[Text], frame: PixelFra
     """The rooms with the names that are printed in them, or else beside them, and the kinds that
     those say. texts: of the picture that lies in frame."""
     inside = [texts_in(room, texts, frame) for room in rooms]
-    found = [_labelled(room, own) for room, own in zip(rooms, inside, strict=True)]
-    taken = {id(text) for own in inside for text in own}
+    labelled = [_labelled(room, room_texts) for room, room_texts in zip(rooms, inside, strict=True)]
+    taken = {id(text) for room_texts in inside for text in room_texts}
     outside = [text for text in texts if id(text) not in taken and room_kinds(text.text)]
     for text in outside:
-        index = _beside(text, found, frame)
+        index = _beside(text, labelled, frame)
         if index is not None:
-            found[index] = _labelled(found[index], [text])
-    return found
+            labelled[index] = _labelled(labelled[index], [text])
+    return labelled
 
 
 def _beside(text: Text, rooms: Sequence[Room], frame: PixelFrame) -> int | None:
@@ -54,14 +54,14 @@ def _beside(text: Text, rooms: Sequence[Room], frame: PixelFrame) -> int | None:
 
 
 def numbered(rooms: Sequence[Room]) -> tuple[Room, ...]:
-    """The rooms with ids by kind where a kind is known (bedroom1), as those of a plan raster."""
+    """The rooms with ids as a plan raster has: by kind where a kind is known (bedroom1)."""
     counts: dict[RoomKind, int] = {}
-    found = []
+    rooms_with_ids = []
     for room in rooms:
         counts[room.kind] = counts.get(room.kind, 0) + 1
         stem = "room" if room.kind == "unknown" else room.kind
-        found.append(replace(room, id=f"{stem}{counts[room.kind]}"))
-    return tuple(found)
+        rooms_with_ids.append(replace(room, id=f"{stem}{counts[room.kind]}"))
+    return tuple(rooms_with_ids)
 
 
 def seen_as(room: Room, kind: RoomKind, confidence: float) -> Room:
@@ -80,8 +80,8 @@ def uses_named(room: Room, texts: Sequence[Text], frame: PixelFrame) -> list[Use
             # Where each part of a "Living Kitchen" is, its name does not say.
             names.setdefault(kind, []).extend([text] if len(kinds) == 1 else [])
     return [
-        Use(kind, tuple(t.text for t in own), tuple(_spot_m(t, frame) for t in own))
-        for kind, own in names.items()
+        Use(kind, tuple(t.text for t in kind_texts), tuple(_spot_m(t, frame) for t in kind_texts))
+        for kind, kind_texts in names.items()
     ]
 
 
@@ -103,13 +103,13 @@ def _labelled(room: Room, texts: Sequence[Text]) -> Room:
     names = [text for text in texts if not _is_measure_alone(text.text)]
     joined = " ".join(text.text for text in names)
     kinds: dict[str, RoomKind] = {text.text: room_kind(text.text) for text in names}
-    found: set[RoomKind] = {kind for kind in kinds.values() if kind != "unknown"}
-    if not found and len(names) > 1 and room_kind(joined) != "unknown":
+    known: set[RoomKind] = {kind for kind in kinds.values() if kind != "unknown"}
+    if not known and len(names) > 1 and room_kind(joined) != "unknown":
         kinds = {joined: room_kind(joined)}
-        found = set(kinds.values())
-    if not found:
+        known = set(kinds.values())
+    if not known:
         return room
-    kind = min(found, key=LEADING.index)
+    kind = min(known, key=LEADING.index)
     score = min((t.score for t in names if kinds.get(t.text) == kind), default=names[0].score)
     spoken = [name for name, said in kinds.items() if said != "unknown"]
     extra = {**room.extra, KIND_CONFIDENCE: round(score, 2)}

@@ -51,14 +51,14 @@ def without_lifts(
     rooms: with kinds by their names. texts: printed in each. ink: (H, W) what is drawn.
     """
     lifts = [
-        is_lift(polygon, [text.text for text in own], room.kind != "unknown", ink, m_per_px)
-        for room, own, polygon in zip(rooms, texts, reading.polygons_px, strict=True)
+        is_lift(polygon, [text.text for text in room_texts], room.kind != "unknown", ink, m_per_px)
+        for room, room_texts, polygon in zip(rooms, texts, reading.polygons_px, strict=True)
     ]
     count = sum(lifts)
     if not 0 < count < len(lifts):
         return reading, []
     shown = "a lift, which is no room" if count == 1 else f"{count} lifts, which are no rooms"
-    rest = [index for index, one in enumerate(lifts) if not one]
+    rest = [index for index, skipped in enumerate(lifts) if not skipped]
     return reading.of(rest), [f"{_SHOWS}{shown}"]
 
 
@@ -100,10 +100,10 @@ def _slanted_lines(floor: Polygon, ink: BoolArray) -> Iterator[FloatArray]:
     least = max(8, round(_OF_SIDE * side))
     # Steps of thin slanted lines lie beside the line that is looked for.
     thick = cv2.dilate(part, np.ones((3, 3), np.uint8))
-    found = cv2.HoughLinesP(
+    lines = cv2.HoughLinesP(
         thick, 1.0, math.radians(1.0), least // 2, minLineLength=least, maxLineGap=_GAP * side
     )
-    for x1, y1, x2, y2 in np.asarray([] if found is None else found).reshape(-1, 4):
+    for x1, y1, x2, y2 in np.asarray([] if lines is None else lines).reshape(-1, 4):
         line = np.array([[x1, y1], [x2, y2]], np.float64)
         if np.abs(line[1] - line[0]).min() >= _SLANT * _length(line):
             yield line + np.array([max(left, 0), max(top, 0)])

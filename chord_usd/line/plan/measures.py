@@ -33,7 +33,7 @@ _FOOT = r"['’′`´]"
 _AFTER_INCH = r"(?:[\"”″°*'’′`´]{0,2})"
 _INCHES = rf"(\d{{1,2}})(?:\s*[½¼¾])?\s*(?:in\.?|{_AFTER_INCH})"
 _FEET = rf"(\d{{1,2}})\s*(?:{_FOOT}|ft\.?)\s*-?\s*(?:{_INCHES})?"
-# OCR takes the mark of feet for one of degrees, or loses it: then one side tells the other.
+# OCR takes the mark of feet for one of degrees, or loses it: then one side decides the other.
 _FEET_SIDE = rf"(\d{{1,2}})\s*(?:{_FOOT}|°|ft\.?)\s*-?\s*(?:{_INCHES})?"
 _BARE_SIDE = r"(\d{2,4})[\"”″*]?"
 _BY = r"\s*[x×*✕±]\s*"
@@ -83,8 +83,8 @@ def parse_measure(text: str) -> Measure | None:
     """
     folded = unicodedata.normalize("NFKC", text.replace("²", "2")).casefold().strip()
     parts = [part.strip() for part in _PARTS.split(folded) if part.strip()]
-    if len(parts) > 1 and (found := [m for part in parts if (m := _parse(part)) is not None]):
-        return distinct(found)[0]
+    if len(parts) > 1 and (measures := [m for part in parts if (m := _parse(part)) is not None]):
+        return distinct(measures)[0]
     return _parse(folded)
 
 
@@ -112,7 +112,7 @@ def _parse(text: str) -> Measure | None:
 
 
 def _area(text: str) -> Measure | None:
-    found = [
+    areas = [
         (match, m2)
         for pattern, m2 in (
             (_SQUARE_M, 1.0),
@@ -121,9 +121,9 @@ def _area(text: str) -> Measure | None:
         )
         if (match := pattern.search(text))
     ]
-    if not found:
+    if not areas:
         return None
-    match, m2 = found[0]
+    match, m2 = areas[0]
     return _plausible("area", (_value(match[1]) * m2,), _AREAS_M2, is_metric=m2 == 1.0)
 
 

@@ -3,8 +3,8 @@
 Where a kitchen, a table and a sofa share a floor, what is furnished, labelled and lit as one room
 would be a home without a kitchen. So the floor is cut, straight across and along its main
 direction, where each part comes out as large and as wide as rooms of its kind are, with its name on
-it, what is drawn there in it, and no door or window in the way of a cut. The parts touch: nothing
-is between them.
+it, what is drawn there in it, and no cut meets a door or a window. The parts touch: nothing is
+between them.
 """
 
 from __future__ import annotations
@@ -150,18 +150,18 @@ def part_room(plan: Plan, room_id: str, uses: Sequence[Use], seen: SeenKinds | N
     beside it.
     """
     room = plan.room(room_id)
-    own = [opening for opening in plan.openings if room_id in opening.room_ids]
+    room_openings = [opening for opening in plan.openings if room_id in opening.room_ids]
     baths = unary_union([room_polygon(each) for each in plan.rooms if each.kind in WET_KINDS])
     floor = orient(room_polygon(room))
-    ways = [footprint_polygon(one.box) for one in own if one.kind != "window"]
+    ways = [footprint_polygon(opening.box) for opening in room_openings if opening.kind != "window"]
     doorways = unary_union(ways).buffer(WALL_THICKNESS_M, join_style="mitre")
-    around = _Around(own, baths, floor.exterior, doorways, seen)
+    around = _Around(room_openings, baths, floor.exterior, doorways, seen)
     parts = _best_parts(floor, tuple(uses), around)[1]
     if len(parts) < 2:
         return plan
     rooms = _rooms(plan, room, parts)
     floors = [part.floor for part in parts]
-    moved = [_moved(o, room_id, rooms, floors) if o in own else o for o in plan.openings]
+    moved = [_moved(o, room_id, rooms, floors) if o in room_openings else o for o in plan.openings]
     others = [other for other in plan.rooms if other.id != room_id]
     return replace(plan, rooms=(*others, *rooms), openings=tuple(moved))
 
@@ -180,10 +180,10 @@ def _best_parts(
         return best
     tried = sorted(_tries(whole, around), key=lambda tried: -tried[0])[:_TRIED]
     for _, cost, halves in tried:
-        found = [_best_parts(half.floor, half.uses, around) for half in halves]
-        nats = sum(each[0] for each in found) - cost
+        sides = [_best_parts(half.floor, half.uses, around) for half in halves]
+        nats = sum(each[0] for each in sides) - cost
         if nats > best[0]:
-            best = nats, [part for each in found for part in each[1]]
+            best = nats, [part for each in sides for part in each[1]]
     return best
 
 
@@ -222,7 +222,7 @@ def _cuts_of(floor: Polygon) -> Iterator[tuple[LineString, Polygon, Polygon]]:
             ends = np.array([low - 1.0, high + 1.0])
             ends[:, axis] = place
             for chord in _chords(turned, LineString(ends), beside_rim):
-                back = [rotate(one, angle, origin=(0.0, 0.0)) for one in chord] if angle else chord
+                back = [rotate(end, angle, origin=(0.0, 0.0)) for end in chord] if angle else chord
                 yield back[0], orient(back[1]), orient(back[2])
 
 
@@ -260,16 +260,16 @@ def _shared_out(
 ) -> Iterator[tuple[_Part, _Part]]:
     """The halves with the uses whose names lie in them, and each way to share out the others."""
     free = [use for use in uses if not use.spots_m]
-    told = [use for use in uses if use.spots_m]
-    inside = [[first.contains(Point(spot)) for spot in use.spots_m] for use in told]
+    placed = [use for use in uses if use.spots_m]
+    inside = [[first.contains(Point(spot)) for spot in use.spots_m] for use in placed]
     if any(any(each) and not all(each) for each in inside):
         return  # through the names of one use
     for sides in product((True, False), repeat=len(free)):
-        pairs = [*zip(told, map(any, inside), strict=True), *zip(free, sides, strict=True)]
-        one = tuple(use for use, is_first in pairs if is_first)
+        pairs = [*zip(placed, map(any, inside), strict=True), *zip(free, sides, strict=True)]
+        first_uses = tuple(use for use, is_first in pairs if is_first)
         other = tuple(use for use, is_first in pairs if not is_first)
-        if one and other:
-            yield _Part(first, one), _Part(second, other)
+        if first_uses and other:
+            yield _Part(first, first_uses), _Part(second, other)
 
 
 def _missed(part: _Part) -> float:
@@ -339,11 +339,11 @@ def _rooms(plan: Plan, room: Room, parts: Sequence[_Part]) -> list[Room]:
     taken = {other.id for other in plan.rooms}
     rooms = []
     for index, (part, kind) in enumerate(zip(parts, kinds, strict=True)):
-        own, name = (room.id, room.name) if index == leading else (_free_id(kind, taken), "")
-        taken.add(own)
+        new_id, name = (room.id, room.name) if index == leading else (_free_id(kind, taken), "")
+        taken.add(new_id)
         corners = np.asarray(part.floor.simplify(_ON_LINE_M).exterior.coords)[:-1]
         said = ", ".join(dict.fromkeys(word for use in part.uses for word in use.names))
-        rooms.append(Room(own, kind, frozen_array(corners), said or name, room.extra))
+        rooms.append(Room(new_id, kind, frozen_array(corners), said or name, room.extra))
     return rooms
 
 
@@ -360,5 +360,7 @@ def _moved(
     """An opening of the whole room as one of the part that it is nearest to."""
     middle = Point(opening.box.center_m[:2])
     nearest = min(range(len(rooms)), key=lambda index: floors[index].distance(middle))
-    ids = tuple(rooms[nearest].id if own == room_id else own for own in opening.room_ids)
+    ids = tuple(
+        rooms[nearest].id if joined_id == room_id else joined_id for joined_id in opening.room_ids
+    )
     return replace(opening, room_ids=ids)

@@ -130,20 +130,22 @@ def _read_opening(
 
 
 def openings_of(
-    found: Sequence[WallOpening], room_ids: Sequence[str], frame: PixelFrame
+    wall_openings: Sequence[WallOpening], room_ids: Sequence[str], frame: PixelFrame
 ) -> tuple[Opening, ...]:
     """Openings found along walls, in metres."""
     counts = dict.fromkeys(BASE_AND_HEIGHT_M, 0)
     openings = []
-    for one in found:
-        counts[one.kind] += 1
-        low, high = one.insets_px
-        size_px = one.length_px - low - high, one.depth_px
-        center_px = one.center_px + (low - high) / 2 * one.along
-        box = _box(one.kind, center_px, one.along, size_px, frame)
-        joined = _joined(one.rooms, box.yaw_deg, room_ids)
-        extra = {CONFIDENCE: one.confidence, **({GUESSED: True} if one.is_guess else {})}
-        openings.append(Opening(f"{one.kind}{counts[one.kind]}", one.kind, box, joined, extra))
+    for opening in wall_openings:
+        counts[opening.kind] += 1
+        low, high = opening.insets_px
+        size_px = opening.length_px - low - high, opening.depth_px
+        center_px = opening.center_px + (low - high) / 2 * opening.along
+        box = _box(opening.kind, center_px, opening.along, size_px, frame)
+        joined = _joined(opening.rooms, box.yaw_deg, room_ids)
+        extra = {CONFIDENCE: opening.confidence, **({GUESSED: True} if opening.is_guess else {})}
+        openings.append(
+            Opening(f"{opening.kind}{counts[opening.kind]}", opening.kind, box, joined, extra)
+        )
     return tuple(openings)
 
 
@@ -164,7 +166,7 @@ def _sides(
     center: FloatArray, along: FloatArray, polygons_px: Sequence[FloatArray], thickness_px: float
 ) -> list[_Side]:
     """The nearest edges of rooms on one or both sides of a bar, the nearer one first."""
-    found: dict[bool, _Side] = {}
+    nearest: dict[bool, _Side] = {}
     for room, polygon in enumerate(polygons_px):
         edges = np.roll(polygon, -1, axis=0) - polygon
         lengths = np.maximum(np.hypot(edges[:, 0], edges[:, 1]), 1e-9)
@@ -179,10 +181,10 @@ def _sides(
         for edge in np.flatnonzero(fits):
             side = _Side(room, float(distance[edge]), directions[edge], outward[edge])
             faces_along = bool(directions[edge] @ along > 0.0)
-            best = found.get(faces_along)
+            best = nearest.get(faces_along)
             if best is None or side.distance_px < best.distance_px:
-                found[faces_along] = side
-    return sorted(found.values(), key=lambda side: side.distance_px)
+                nearest[faces_along] = side
+    return sorted(nearest.values(), key=lambda side: side.distance_px)
 
 
 def _centered_in_wall(

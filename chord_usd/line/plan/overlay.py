@@ -1,7 +1,7 @@
 """What was read from a drawing, drawn over it: a user sees at a glance what went wrong.
 
 Rooms carry the numbers by which `--rooms` corrects them, openings the short forms of their ids, and
-what is doubted is red and told below the drawing.
+what is doubted is red and listed below the drawing.
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ def overlay(plan: Plan, rgb: ByteArray) -> ByteArray:
 def doubts_of(plan: Plan) -> list[str]:
     """The plan's verdict and warnings, with rooms as the overlay numbers them: "4 (living1)"."""
     numbers = {room.id: f"{number} ({room.id})" for number, room in enumerate(plan.rooms, 1)}
-    told = map(str, plan.extra.get(WARNINGS, ()))
-    doubts = [re.sub(r"\w+", lambda m: numbers.get(m[0], m[0]), doubt) for doubt in told]
+    warnings = map(str, plan.extra.get(WARNINGS, ()))
+    doubts = [re.sub(r"\w+", lambda m: numbers.get(m[0], m[0]), doubt) for doubt in warnings]
     verdict = plan.extra.get(VERDICT)
     return (
         [SAID[verdict], *doubts] if verdict in SAID and (doubts or verdict != "right") else doubts
@@ -88,7 +88,7 @@ def doubts_of(plan: Plan) -> list[str]:
 
 
 def with_doubts(picture: ByteArray, doubts: Sequence[str]) -> ByteArray:
-    """(H, W, 3) the picture with doubts told below it; as it is where there are none."""
+    """(H, W, 3) the picture with doubts listed below it; as it is where there are none."""
     if not doubts:
         return picture
     size_px = _letter_px(picture)
@@ -168,7 +168,9 @@ def _opening_rgb(opening: Opening) -> Rgb:
 
 def _doubted(plan: Plan) -> set[str]:
     """Ids of rooms and openings that a doubt is about."""
-    return {one for text in plan.extra.get(WARNINGS, ()) for one in doubted_by(plan, str(text))}
+    return {
+        doubted for text in plan.extra.get(WARNINGS, ()) for doubted in doubted_by(plan, str(text))
+    }
 
 
 # Letters -----------------------------------------------------------------------------------------
@@ -205,9 +207,9 @@ def _letter_px(canvas: ByteArray) -> int:
 
 def _label(number: int, room: Room) -> str:
     """The number, the kind, and what is printed there where that says something else."""
-    told = "not known" if room.kind == "unknown" else room.kind
+    kind = "not known" if room.kind == "unknown" else room.kind
     is_same = room.name.casefold() in ("", room.kind)
-    return f"{number} {told}" if is_same else f"{number} {told}\n{room.name[:40]}"
+    return f"{number} {kind}" if is_same else f"{number} {kind}\n{room.name[:40]}"
 
 
 def _short(opening: Opening) -> str:

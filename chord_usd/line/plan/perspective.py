@@ -32,7 +32,7 @@ _MOST_INK_AT_RIM = 0.02
 """Along its edges, over this share of its size, paper bears no more ink than this share."""
 
 _LEAST_TILT = 0.008
-"""Sides that differ by less from those of a rectangle, as a share of their length, are straight."""
+"""Sides that differ by less from a rectangle's sides, as a share of their length, are straight."""
 
 _STRAIGHT = 1e-3
 
@@ -65,7 +65,7 @@ def sheet_size(corners_px: FloatArray, shape: tuple[int, ...]) -> tuple[int, int
 
 
 def rectifying(corners_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
-    """(3, 3) from a picture's continuous pixels to those of the sheet seen from above."""
+    """(3, 3) from a picture's continuous pixels to the pixels of the sheet seen from above."""
     width, height = size_px
     target = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
     matrix = cv2.getPerspectiveTransform(corners_px.astype(np.float32), target)
@@ -106,8 +106,8 @@ def _four_corners(paper: BoolArray) -> FloatArray | None:
             break
     else:
         return None
-    found: FloatArray = corners.reshape(4, 2).astype(np.float64)
-    fitted = _fitted(found, hull.reshape(-1, 2).astype(np.float64))
+    quad: FloatArray = corners.reshape(4, 2).astype(np.float64)
+    fitted = _fitted(quad, hull.reshape(-1, 2).astype(np.float64))
     area = float(cv2.contourArea(fitted.astype(np.float32)))
     filled = float(paper.sum())
     # Contours pass through pixel centres.

@@ -45,8 +45,8 @@ def read_picture(path: Path) -> Picture:
     Raises PlanError for what is no picture, is damaged, or has sides beyond SMALLEST_SIDE_PX and
     LARGEST_SIDE_PX; sizes are checked before anything is decoded.
     """
-    found: Picture = decode("plan picture", path, where=str(path), error=PlanError)
-    return found
+    picture: Picture = decode("plan picture", path, where=str(path), error=PlanError)
+    return picture
 
 
 def _read(path: Path) -> Picture:
@@ -94,7 +94,7 @@ def _check_size(size: tuple[int, int], path: Path) -> None:
 
 
 def _upright_rgb(image: Image.Image) -> ByteArray:
-    """(H, W, 3), made in bands: the largest picture shall not lie in memory four times."""
+    """(H, W, 3), made in bands: the largest picture must not lie in memory four times."""
     from PIL import ImageOps
 
     ImageOps.exif_transpose(image, in_place=True)

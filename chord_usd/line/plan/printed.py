@@ -76,12 +76,12 @@ def estimates(
     polygons_px: rooms; ink: (H, W) everything drawn, for dimension lines.
     """
     rooms = [Polygon(polygon) for polygon in polygons_px]
-    found = [*_from_rooms(texts, rooms), *_from_bar(texts)]
-    found += _from_titles(texts, rooms)
-    found += [Estimate(CHAINS, scale, said) for scale, said in chain_scales(texts)]
+    all_estimates = [*_from_rooms(texts, rooms), *_from_bar(texts)]
+    all_estimates += _from_titles(texts, rooms)
+    all_estimates += [Estimate(CHAINS, scale, said) for scale, said in chain_scales(texts)]
     if ink is None:
-        return found
-    return [*found, *(e for text in texts for e in _from_line(text, ink))]
+        return all_estimates
+    return [*all_estimates, *(e for text in texts for e in _from_line(text, ink))]
 
 
 def _from_rooms(texts: Sequence[Text], rooms: Sequence[Polygon]) -> Iterator[Estimate]:

@@ -109,10 +109,10 @@ def read_storey_plans(path: Path, scale: float | None = None) -> list[StoreyPlan
     from chord_usd.line.plan.drawing import read_sheet
 
     try:
-        found = read_sheet(picture.rgb, scale)
+        sheet_plans = read_sheet(picture.rgb, scale)
     except PlanError as error:
         raise _at(path, error) from error
-    return [StoreyPlan(with_wet_kinds(plan), title) for plan, title in found]
+    return [StoreyPlan(with_wet_kinds(plan), title) for plan, title in sheet_plans]
 
 
 def _read(path: Path, scale: float | None, part: int, is_open: bool) -> Plan:
@@ -176,14 +176,18 @@ def _plan_of_looks(
     except PlanError as error:
         if named:
             return named
-        told = f"names neither walls nor rooms that close, and by its looks {error.what}"
-        raise PlanError(told, where=str(path), expected=error.expected, try_=error.try_) from error
+        warning = f"names neither walls nor rooms that close, and by its looks {error.what}"
+        raise PlanError(
+            warning, where=str(path), expected=error.expected, try_=error.try_
+        ) from error
     if named and not plan.openings:
         return named
     missing = "doors or windows" if named else "walls or rooms"
-    told = f"the SVG names no {missing}: it was read by its looks"
+    warning = f"the SVG names no {missing}: it was read by its looks"
     scales = per_unit(plan.extra[SCALE], page.units_per_px)
-    return replace(plan, extra={**plan.extra, SCALE: scales, WARNINGS: [told, *_told(plan)]})
+    return replace(
+        plan, extra={**plan.extra, SCALE: scales, WARNINGS: [warning, *_warnings_in(plan)]}
+    )
 
 
 def _plan_of_pdf(path: Path, scale: float | None, part: int, is_open: bool) -> Plan:
@@ -200,9 +204,9 @@ def _plan_of_pdf(path: Path, scale: float | None, part: int, is_open: bool) -> P
             continue
         if page.count == 1:
             return plan
-        told = f"the file has {page.count} pages; page {page.number} was read"
+        warning = f"the file has {page.count} pages; page {page.number} was read"
         return replace(
-            plan, extra={**plan.extra, PAGE: page.number, WARNINGS: [told, *_told(plan)]}
+            plan, extra={**plan.extra, PAGE: page.number, WARNINGS: [warning, *_warnings_in(plan)]}
         )
     raise _at(path, first or PlanError("has no pages"))
 
@@ -242,12 +246,12 @@ def is_plan_raster(rgb: ByteArray) -> bool:
     return any((rgb == np.array(color)).all(axis=2).any() for color in openings)
 
 
-def _told(plan: Plan) -> list[str]:
+def _warnings_in(plan: Plan) -> list[str]:
     return list(plan.extra.get(WARNINGS, ()))
 
 
 def _warnings(plan: Plan) -> list[str]:
-    warnings = _told(plan)
+    warnings = _warnings_in(plan)
     kinds = [opening.kind for opening in plan.openings if not is_guessed(opening)]
     if "door" not in kinds and "passage" not in kinds:
         warnings.append("no doors were found: rooms cannot be entered")

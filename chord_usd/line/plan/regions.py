@@ -156,21 +156,21 @@ def _parted(floor: BoolArray, clear: BoolArray, neck_px: float) -> Labels:
     depths = cv2.distanceTransform(clear.astype(np.uint8), cv2.DIST_L2, 5)
     count, whole = cv2.connectedComponents(floor.astype(np.uint8), connectivity=4)
     _, cores = cv2.connectedComponents((depths > neck_px / 2).astype(np.uint8), connectivity=8)
-    found: Labels = np.asarray(whole, np.int32)
+    parts: Labels = np.asarray(whole, np.int32)
     for label in range(1, count):
-        own = whole == label
-        numbers = np.unique(cores[own])
+        region = whole == label
+        numbers = np.unique(cores[region])
         numbers = numbers[numbers > 0]
         if len(numbers) < 2:
             continue
         # Each pixel goes to the core that it is nearest to.
         away = np.array([
-            cv2.distanceTransform((cores != number).astype(np.uint8), cv2.DIST_L2, 5)[own]
+            cv2.distanceTransform((cores != number).astype(np.uint8), cv2.DIST_L2, 5)[region]
             for number in numbers
         ])  # fmt: skip
         nearest = away.argmin(axis=0)
-        found[own] = np.where(nearest == 0, label, found.max() + nearest)
-    return found
+        parts[region] = np.where(nearest == 0, label, parts.max() + nearest)
+    return parts
 
 
 # Rooms -------------------------------------------------------------------------------------------
@@ -198,8 +198,8 @@ def large_regions(labels: Labels, m_per_px: float) -> Labels:
     # Half of the room's least width is how far its middle must be from its walls.
     depths = cv2.distanceTransform((labels > 0).astype(np.uint8), cv2.DIST_L2, 3)
     wide = np.unique(labels[depths * m_per_px >= _NARROWEST_ROOM_M / 2])
-    found: Labels = wide[(areas[wide] * m_per_px**2 >= _SMALLEST_ROOM_M2) & (wide > 0)]
-    return found[~_is_enclosed(labels, found)]
+    large: Labels = wide[(areas[wide] * m_per_px**2 >= _SMALLEST_ROOM_M2) & (wide > 0)]
+    return large[~_is_enclosed(labels, large)]
 
 
 def _is_enclosed(labels: Labels, numbers: Labels) -> BoolArray:
@@ -242,7 +242,7 @@ def stair_outlines(segments: Segments, m_per_px: float) -> list[FloatArray]:
     seen = (segments.most_likely == STAIRS).astype(np.uint8)
     torn = max(1, round(_TORN_M / m_per_px))
     closed = cv2.morphologyEx(seen, cv2.MORPH_CLOSE, np.ones((torn, torn), np.uint8))
-    found = []
+    outlines = []
     for outline in cv2.findContours(closed, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)[0]:
         around = cv2.minAreaRect(outline)
         if min(around[1]) * m_per_px >= _LEAST_FLIGHT_M[0] and (
@@ -250,8 +250,8 @@ def stair_outlines(segments: Segments, m_per_px: float) -> list[FloatArray]:
         ):
             circle = _circle_of(np.asarray(outline[:, 0], np.float64))
             corners = cv2.boxPoints(around) if circle is None else circle
-            found.append(np.asarray(corners, np.float64) + 0.5)
-    return found
+            outlines.append(np.asarray(corners, np.float64) + 0.5)
+    return outlines
 
 
 def _circle_of(outline: FloatArray) -> FloatArray | None:

@@ -14,7 +14,7 @@ from chord_usd.base.scene.types import FloatArray
 _MOST_MISMATCH = math.log(1.12)
 """Both sides of a room must speak for scales that differ by no more than this..."""
 _PART_MISMATCH = math.log(1.05)
-"""...and those of a part of it: of many rectangles some come near by chance."""
+"""...and both sides of a part of it: of many rectangles some come near by chance."""
 _LEAST_SHARE = 0.4
 """Of a room's floor is the rectangle whose size is printed."""
 _FILLED = 0.85
@@ -36,13 +36,13 @@ def scales_by_sides(
     sizes: how many are printed in the room.
     """
     whole = _scale(room.bounds, sides_m, _MOST_MISMATCH)
-    found = [] if whole is None else [whole]
+    scales = [] if whole is None else [whole]
     # Wardrobes and shafts stand in what is measured; no walls are moved by such rectangles.
     for bounds in rectangles_in(room, sides_m, at_px, _PART_MISMATCH, sizes, _FILLED):
         scale = _scale(bounds, sides_m, _PART_MISMATCH)
-        if scale is not None and all(abs(math.log(scale / one)) > _ALIKE for one in found):
-            found.append(scale)
-    return found[:_MOST_READINGS]
+        if scale is not None and all(abs(math.log(scale / known)) > _ALIKE for known in scales):
+            scales.append(scale)
+    return scales[:_MOST_READINGS]
 
 
 def _scale(
@@ -66,9 +66,9 @@ def rectangles_in(
     sizes: int = 1,
     filled: float = 1.0 - 1e-6,
 ) -> Iterator[tuple[float, float, float, float]]:
-    """Bounds of rectangles between the room's corners that hold a place (2,), the largest first:
-    those whose proportions are those of two sides to within most, a logarithm, and of which a share
-    of filled is floor."""
+    """Bounds of rectangles between the room's corners that hold a place (2,), the largest first.
+
+    Their proportions match two sides to within most, a logarithm; a share of filled is floor."""
     reach = _TORN_SHARE * max(np.ptp(np.array(room.bounds).reshape(2, 2), axis=0))
     corners = np.asarray(room.simplify(reach).exterior.coords)
     x, y = at_px
@@ -80,14 +80,14 @@ def rectangles_in(
         ]
         for axis, place in ((0, x), (1, y))
     )
-    found = [
+    boxes = [
         (west, north, east, south)
         for (west, east), (north, south) in product(widths, heights)
         if (east - west) * (south - north) >= _LEAST_SHARE * room.area / sizes
         and _scale((west, north, east, south), sides_m, most) is not None
     ]
     inner = room.buffer(reach)
-    for bounds in sorted(found, key=_area, reverse=True):
+    for bounds in sorted(boxes, key=_area, reverse=True):
         if inner.intersection(box(*bounds)).area >= filled * _area(bounds):
             yield bounds
 
@@ -98,8 +98,8 @@ def _area(bounds: tuple[float, float, float, float]) -> float:
 
 def _places(values: FloatArray, reach: float) -> list[float]:
     """Coordinates of corners, those that are nearly the same once."""
-    found: list[float] = []
+    places: list[float] = []
     for value in np.sort(values):
-        if not found or value - found[-1] > reach:
-            found.append(float(value))
-    return found if len(found) <= _MOST_PLACES else []
+        if not places or value - places[-1] > reach:
+            places.append(float(value))
+    return places if len(places) <= _MOST_PLACES else []

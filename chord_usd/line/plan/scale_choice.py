@@ -89,7 +89,7 @@ class Scale:
         """Whether measures that are printed say it."""
         return self.witness in _TRUST
 
-    def _odd(self, name: str) -> float:
+    def _tolerance(self, name: str) -> float:
         """How far a witness may differ. Walls are drawn thick and thin; doors know better."""
         if name != "walls":
             return _ODD
@@ -118,17 +118,19 @@ class Scale:
                     f" differ {math.exp(apart):.2f} times: {CHECK_SCALE}"
                 ]
         rest = {name: math.log(v / self.m_per_px) for name, v in self.others.items()}
-        odd = [
+        differing = [
             f"{name} say {math.exp(ratio):.2f} times that"
             for name, ratio in rest.items()
-            if abs(ratio) > self._odd(name)
+            if abs(ratio) > self._tolerance(name)
         ]
-        if odd and self.witness not in ("given", "file"):
-            return [f"the scale is taken from {self.witness}, but {', '.join(odd)}: {CHECK_SCALE}"]
+        if differing and self.witness not in ("given", "file"):
+            return [
+                f"the scale is taken from {self.witness}, but {', '.join(differing)}: {CHECK_SCALE}"
+            ]
         if self.witness in ("rooms", "walls"):
             guess = "the usual sizes of rooms" if self.witness == "rooms" else "the walls"
-            told = "no printed measure and no door gives the scale; it is a guess from"
-            return [f"{told} {guess}: {CHECK_SCALE}"]
+            reason = "no printed measure and no door gives the scale; it is a guess from"
+            return [f"{reason} {guess}: {CHECK_SCALE}"]
         if self.witness == "doors":
             off = f"{_SPREAD['doors']:.0%}"
             return [f"{NO_MEASURE}: its scale, by doors, may be {off} off (--scale sets it)"]
@@ -167,37 +169,39 @@ def choose_scale(
         likeliest = {
             e.text: e.m_per_px for e in reversed(printed) if e.witness == name and e.is_sure
         }
-        own = list(likeliest.values())
-        if len(own) >= _LEAST_HEARD.get(name, 1):
-            others[name] = float(np.median(own))
+        scales = list(likeliest.values())
+        if len(scales) >= _LEAST_HEARD.get(name, 1):
+            others[name] = float(np.median(scales))
     if given:
         return Scale(given, "given", others=others)
     rough = _together(list(unprinted.values()))
-    found, is_believed = _likeliest(printed, list(unprinted.values()))
-    if found is not None and is_believed:
-        return replace(found, others=others)
-    told = ""
-    if found is not None and found.agreement < _FEW:
-        told = f"only {found.agreement:.0%} of the printed {found.witness} agree"
-    elif found is not None:
-        told = f"the printed {found.witness} are not believed"
+    best, is_believed = _likeliest(printed, list(unprinted.values()))
+    if best is not None and is_believed:
+        return replace(best, others=others)
+    reason = ""
+    if best is not None and best.agreement < _FEW:
+        reason = f"only {best.agreement:.0%} of the printed {best.witness} agree"
+    elif best is not None:
+        reason = f"the printed {best.witness} are not believed"
     on_paper = paper and usual_scale(rough, paper)
     if on_paper:
-        return Scale(on_paper, "paper", others=others, disagreement=told)
+        return Scale(on_paper, "paper", others=others, disagreement=reason)
     witness = next(name for name in ("doors", "rooms", "walls") if name in unprinted)
     agreement = _agreement(list(unprinted.values()), rough)
-    return Scale(rough, witness, agreement=agreement, others=others, disagreement=told)
+    return Scale(rough, witness, agreement=agreement, others=others, disagreement=reason)
 
 
-def _together(told: Sequence[tuple[float, float]]) -> float:
+def _together(estimates: Sequence[tuple[float, float]]) -> float:
     """The mean of what witnesses say, each as heavy as it is precise."""
-    logs, spreads = np.log([value for value, _ in told]), np.array([spread for _, spread in told])
+    logs = np.log([value for value, _ in estimates])
+    spreads = np.array([spread for _, spread in estimates])
     return float(np.exp(np.average(logs, weights=spreads**-2.0)))
 
 
-def _agreement(told: Sequence[tuple[float, float]], blend: float) -> float:
+def _agreement(estimates: Sequence[tuple[float, float]], blend: float) -> float:
     """How much of the weight of blended witnesses is near to what they say together."""
-    logs, spreads = np.log([value for value, _ in told]), np.array([spread for _, spread in told])
+    logs = np.log([value for value, _ in estimates])
+    spreads = np.array([spread for _, spread in estimates])
     weights = spreads**-2.0
     return float(weights[np.abs(logs - math.log(blend)) <= _APART].sum() / weights.sum())
 
@@ -212,7 +216,7 @@ def _likeliest(
     logs = np.log([e.m_per_px for e in printed])
     weights = np.array([_TRUST[e.witness] * (1.0 if e.is_sure else 0.5) for e in printed])
     near = np.abs(logs[:, None] - logs[None, :]) < _SAME
-    nats = np.array([_nats_read(printed, own) for own in near])
+    nats = np.array([_nats_read(printed, is_near) for is_near in near])
     total = nats + [_nats_unprinted(unprinted, log) for log in logs]
     # Of those as likely, the middle of the measures.
     best = int(np.lexsort((-(near @ weights), -np.round(total, 6)))[0])
@@ -239,11 +243,11 @@ def _middle_of(printed: Sequence[Estimate], best: int, logs: FloatArray) -> Scal
     apart = math.exp(max(beside.values()) - min(beside.values()))
     said = {e.text for e in printed if e.witness == area.witness}
     center = math.exp(float(np.mean(list(beside.values()))))
-    told = f"the printed {area.witness} say scales that differ {apart:.2f} times"
-    return Scale(center, area.witness, 1, 1 / len(said), disagreement=told)
+    reason = f"the printed {area.witness} say scales that differ {apart:.2f} times"
+    return Scale(center, area.witness, 1, 1 / len(said), disagreement=reason)
 
 
-def _nats_read(printed: Sequence[Estimate], own: BoolArray) -> float:
+def _nats_read(printed: Sequence[Estimate], is_in: BoolArray) -> float:
     """By how much likelier measures that say the same are read than misread: of each witness, k of
     n agree, which by chance happens with _CHANCE each."""
     total = 0.0
@@ -251,8 +255,8 @@ def _nats_read(printed: Sequence[Estimate], own: BoolArray) -> float:
         said = {e.text for e in printed if e.witness == witness}
         agree = {
             e.text: e
-            for e, is_own in zip(printed, own, strict=True)
-            if is_own and e.witness == witness
+            for e, belongs in zip(printed, is_in, strict=True)
+            if belongs and e.witness == witness
         }
         if not agree:
             continue
@@ -271,19 +275,19 @@ def _nats_unprinted(unprinted: Sequence[tuple[float, float]], log: float) -> flo
     for value, spread in unprinted:
         off = math.log(value) - log
         usual = (1 - _ODD_SHARE) / spread * math.exp(-0.5 * (off / spread) ** 2)
-        odd = _ODD_SHARE / _ODD_SPREAD * math.exp(-0.5 * (off / _ODD_SPREAD) ** 2)
-        total += math.log(usual + odd + 1e-12)
+        outlying = _ODD_SHARE / _ODD_SPREAD * math.exp(-0.5 * (off / _ODD_SPREAD) ** 2)
+        total += math.log(usual + outlying + 1e-12)
     return total
 
 
 def _cluster(
-    printed: Sequence[Estimate], own: BoolArray, logs: FloatArray, weights: FloatArray
+    printed: Sequence[Estimate], is_in: BoolArray, logs: FloatArray, weights: FloatArray
 ) -> Scale:
     """The scale of measures that say the same, by the witness that says most of it."""
-    center = float(np.exp(np.average(logs[own], weights=weights[own])))
-    names = [printed[i].witness for i in np.flatnonzero(own)]
+    center = float(np.exp(np.average(logs[is_in], weights=weights[is_in])))
+    names = [printed[i].witness for i in np.flatnonzero(is_in)]
     witness = max(set(names), key=lambda n: (names.count(n) * _TRUST[n], n))
     said = {e.text for e in printed if e.witness == witness}
-    agreeing = {(printed[i].witness, printed[i].text) for i in np.flatnonzero(own)}
+    agreeing = {(printed[i].witness, printed[i].text) for i in np.flatnonzero(is_in)}
     own_words = sum(name == witness for name, _ in agreeing)
     return Scale(center, witness, len(agreeing), own_words / len(said))

@@ -97,8 +97,8 @@ class SeenReading:
 
     def placed(self, room_ids: Sequence[str], frame: PixelFrame) -> tuple[Opening, ...]:
         """The openings in the walls of rooms."""
-        found = [o for o in self.openings if o.length_px * frame.m_per_px > _SHORTEST_M[o.kind]]
-        return openings_of(found, room_ids, frame)
+        wide = [o for o in self.openings if o.length_px * frame.m_per_px > _SHORTEST_M[o.kind]]
+        return openings_of(wide, room_ids, frame)
 
 
 def read_seen(segments: Segments, given: float | None) -> SeenReading:

@@ -35,13 +35,13 @@ PIECES_CHECKPOINT = "symbols"
 _REMEDY = "chord-usd train symbols, or reinstall chord-usd"
 
 FOLLOWING = frozenset(["chair"])
-"""What stands where other pieces are: it helps the network to tell these."""
+"""What stands where other pieces are: it helps the network to distinguish these."""
 LEAST_CHANCE = 0.3
 _FAINT = 0.4
 """Share of the chance from which on a piece counts, for what its room lacks."""
 _NEEDED: dict[RoomKind, tuple[frozenset[str], ...]] = {
     "bathroom": tuple(
-        frozenset(one) for one in (("toilet",), ("washbasin",), ("shower", "bathtub"))
+        frozenset(fixtures) for fixtures in (("toilet",), ("washbasin",), ("shower", "bathtub"))
     ),
     "wc": (frozenset(("toilet",)), frozenset(("washbasin",))),
     "kitchen": (frozenset(("sink_cabinet",)), frozenset(("cooker_cabinet",))),
@@ -95,11 +95,11 @@ class PieceFinder:
         size = tuple(max(PIECE_MULTIPLE_PX, round(side * share)) for side in rgb.shape[1::-1])
         way = cv2.INTER_AREA if share < 1.0 else cv2.INTER_CUBIC
         small = np.asarray(cv2.resize(rgb, size, interpolation=way), np.uint8)
-        # Where the picture is finer than it may be enlarged to, sizes are those of its own scale.
-        found = [piece for window in _windows((small.shape[0], small.shape[1]))
+        # Where the picture is finer than it may be enlarged to, sizes are at its own scale.
+        pieces = [piece for window in _windows((small.shape[0], small.shape[1]))
                  for piece in self._in_window(small, window, enough)]  # fmt: skip
-        found.sort(key=lambda piece: (not piece.is_sure, -piece.chance))
-        return [_times(piece, 1.0 / share) for piece in _apart(found)]
+        pieces.sort(key=lambda piece: (not piece.is_sure, -piece.chance))
+        return [_times(piece, 1.0 / share) for piece in _apart(pieces)]
 
     def _in_window(
         self, rgb: ByteArray, window: tuple[slice, slice], least: FloatArray
@@ -109,7 +109,7 @@ class PieceFinder:
         more = (-height % PIECE_MULTIPLE_PX, -width % PIECE_MULTIPLE_PX)
         padded = cv2.copyMakeBorder(part, 0, more[0], 0, more[1], cv2.BORDER_REPLICATE)
         scaled = padded.transpose(2, 0, 1)[None].astype(np.float32) / 127.5 - 1.0
-        centres, shapes = (one[0] for one in self._network.run({READER_INPUT: scaled}))
+        centres, shapes = (batch[0] for batch in self._network.run({READER_INPUT: scaled}))
         # What is there is there in the mirror, too; what was taken for it by chance may not be.
         mirror = np.ascontiguousarray(scaled[..., ::-1])
         centres = (centres + self._network.run({READER_INPUT: mirror})[0][0, ..., ::-1]) / 2
@@ -131,8 +131,8 @@ def load_finder(folder: Path) -> PieceFinder:
     """The finder of a checkpoint folder. Raises CheckpointError."""
     network = load_network(folder, _REMEDY)
     try:
-        told = json.loads((folder / "config.json").read_text(encoding="utf-8"))
-        least = {str(name): float(chance) for name, chance in told.get("least", {}).items()}
+        config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
+        least = {str(name): float(chance) for name, chance in config.get("least", {}).items()}
     except (OSError, ValueError, AttributeError, TypeError) as error:
         raise CheckpointError(
             f"the description cannot be read ({str(error).splitlines()[0]})",
@@ -144,7 +144,7 @@ def load_finder(folder: Path) -> PieceFinder:
 
 def _peaks(centres: Map, least: FloatArray) -> tuple[np.ndarray, ...]:
     """Kind, row and column of cells that are likelier than all beside them."""
-    top = np.stack([cv2.dilate(one, np.ones((3, 3), np.uint8)) for one in centres])
+    top = np.stack([cv2.dilate(centre_map, np.ones((3, 3), np.uint8)) for centre_map in centres])
     return np.nonzero((centres >= top) & (centres >= least[:, None, None]))
 
 
@@ -186,7 +186,7 @@ def _times(piece: SeenPiece, by: float) -> SeenPiece:
 
 def as_items(pieces: Iterable[SeenPiece], frame: PixelFrame) -> list[Item]:
     """Pieces in metres. frame: of the picture that they were seen on."""
-    found = []
+    items = []
     for piece in pieces:
         x, y = m_from_px(np.array([piece.center_px]), frame)[0].tolist()
         row = category(piece.category)
@@ -195,8 +195,8 @@ def as_items(pieces: Iterable[SeenPiece], frame: PixelFrame) -> list[Item]:
         yaw_deg = wrap_deg(float(np.degrees(np.arctan2(front_x, front_y))))
         length, depth = (side * frame.m_per_px for side in (piece.length_px, piece.depth_px))
         box = Box((x, y, row.mount_height_m), (length, depth, sum(row.height_m) / 2), yaw_deg)
-        found.append(Item("", piece.category, box, score=piece.chance))
-    return found
+        items.append(Item("", piece.category, box, score=piece.chance))
+    return items
 
 
 def found_on(sheet: Sheet, m_per_px: float) -> list[SeenPiece]:
@@ -206,7 +206,7 @@ def found_on(sheet: Sheet, m_per_px: float) -> list[SeenPiece]:
 
 
 def pieces_within(
-    found: Iterable[SeenPiece],
+    seen_pieces: Iterable[SeenPiece],
     reading: SeenReading,
     sheet: Sheet,
     frame: PixelFrame,
@@ -221,14 +221,14 @@ def pieces_within(
     fine = replace(frame, m_per_px=frame.m_per_px / sheet.fine_per_px, height_px=height_px)
     rooms = [Polygon(m_from_px(corners, frame)) for corners in reading.polygons_px]
     doors = [
-        (Point(m_from_px(one.center_px, frame)), one.length_px * frame.m_per_px)
-        for one in reading.openings if one.kind == "door"
+        (Point(m_from_px(opening.center_px, frame)), opening.length_px * frame.m_per_px)
+        for opening in reading.openings if opening.kind == "door"
     ]  # fmt: skip
     house = shapely.union_all([room.buffer(0) for room in rooms])
     return [
-        one for one in as_items([piece for piece in found if piece.is_sure == is_sure], fine)
-        if one.category not in FOLLOWING and house.covers(Point(one.box.center_m[:2]))
-        and not any(_is_swing(one, *door) for door in doors)
+        item for item in as_items([seen for seen in seen_pieces if seen.is_sure == is_sure], fine)
+        if item.category not in FOLLOWING and house.covers(Point(item.box.center_m[:2]))
+        and not any(_is_swing(item, *door) for door in doors)
     ]  # fmt: skip
 
 
@@ -238,12 +238,12 @@ def with_needed(sure: Sequence[Item], faint: Sequence[Item], rooms: Iterable[Roo
     pieces = list(sure)
     for room in rooms:
         floor = room_polygon(room)
-        there = {one.category for one in sure if floor.covers(Point(one.box.center_m[:2]))}
-        own = [one for one in faint if floor.covers(Point(one.box.center_m[:2]))]
+        there = {item.category for item in sure if floor.covers(Point(item.box.center_m[:2]))}
+        in_room = [item for item in faint if floor.covers(Point(item.box.center_m[:2]))]
         for sort in _NEEDED.get(room.kind, ()):
-            likely = [one for one in own if one.category in sort]
+            likely = [item for item in in_room if item.category in sort]
             if likely and there.isdisjoint(sort):
-                pieces.append(max(likely, key=lambda one: one.score))
+                pieces.append(max(likely, key=lambda item: item.score))
     return pieces
 
 

@@ -139,8 +139,8 @@ class PageReader:
             window += _CLOSER_WEIGHT * (self._seen(part, share) - window)
         for block in _unseen_plans(rgb, total[OUTSIDE] < 0.5, paper):
             total[:, *block] = self._seen(rgb[block], share if is_closer else first)
-        own = total[:, margin : rgb.shape[0] - margin, margin : rgb.shape[1] - margin]
-        return Segments(own[:_BUILT], own[_BUILT:], 1.0 / (share if is_closer else first))
+        inner = total[:, margin : rgb.shape[0] - margin, margin : rgb.shape[1] - margin]
+        return Segments(inner[:_BUILT], inner[_BUILT:], 1.0 / (share if is_closer else first))
 
     def _seen(self, rgb: ByteArray, share: float) -> Chances:
         """(channels, H, W) of a picture, looked at with so many pixels for one of its own."""
@@ -148,10 +148,12 @@ class PageReader:
         small = max(1, round(width * share)), max(1, round(height * share))
         way = cv2.INTER_AREA if share < 1.0 else cv2.INTER_CUBIC
         seen = self._at(np.asarray(cv2.resize(rgb, small, interpolation=way), np.uint8))
-        found = np.empty((_CHANNELS, height, width), np.float32)
-        for channel, one in enumerate(seen):
-            cv2.resize(one, (width, height), dst=found[channel], interpolation=cv2.INTER_LINEAR)
-        return found
+        chances = np.empty((_CHANNELS, height, width), np.float32)
+        for channel, channel_map in enumerate(seen):
+            cv2.resize(
+                channel_map, (width, height), dst=chances[channel], interpolation=cv2.INTER_LINEAR
+            )
+        return chances
 
     def _at(self, rgb: ByteArray) -> Chances:
         """(channels, H, W) of a picture at its own size."""
@@ -167,12 +169,12 @@ class PageReader:
                 weight = np.outer(_ramp(seen.shape[1]), _ramp(seen.shape[2]))
                 total[:, rows, columns] += seen * weight
                 weights[rows, columns] += weight
-        found: Chances = (total / weights)[:, :height, :width]
-        return found
+        chances: Chances = (total / weights)[:, :height, :width]
+        return chances
 
     def _tile(self, scaled: Chances) -> Chances:
         # What is drawn over floors, and points, are lessons: they help to learn the rest.
-        built, *_, kinds = (one[0] for one in self._network.run({READER_INPUT: scaled}))
+        built, *_, kinds = (batch[0] for batch in self._network.run({READER_INPUT: scaled}))
         wide = kinds.repeat(KIND_STEP_PX, axis=1).repeat(KIND_STEP_PX, axis=2)
         return np.concatenate([built, wide])
 

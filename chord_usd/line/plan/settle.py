@@ -97,7 +97,7 @@ def _axis_edges(index: int, polygon: FloatArray) -> list[_Edge]:
 
 
 def _span_of(edge: _Edge, solid: BoolArray, thickness_px: float) -> tuple[float, float]:
-    """Where the edge can lie, from its own pixels and those of its wall's other face."""
+    """Where the edge can lie, from its own pixels and the pixels of its wall's other face."""
     # An edge drawn through a step of one pixel lies between two pixel borders.
     half = _HALF_PX if edge.place.is_integer() else 2 * _HALF_PX
     low, high = edge.place - half, edge.place + half
@@ -134,16 +134,16 @@ def _pairs(
     The distance is exact: one wall, or nothing between rooms that touch.
     """
     pairs = []
-    for first, one in enumerate(edges):
-        if one.outward < 0:
+    for first, edge in enumerate(edges):
+        if edge.outward < 0:
             continue
         for second, other in enumerate(edges):
-            if other.outward > 0 or other.axis != one.axis:
+            if other.outward > 0 or other.axis != edge.axis:
                 continue
-            overlap = min(one.high, other.high) - max(one.low, other.low)
+            overlap = min(edge.high, other.high) - max(edge.low, other.low)
             if overlap <= 1.0:
                 continue
-            apart = other.place - one.place
+            apart = other.place - edge.place
             if abs(apart) < 1e-6:
                 pairs.append((overlap, first, second, 0.0))
             elif abs(apart - thickness_px) < slack_px:
@@ -161,15 +161,15 @@ class _Chains:
 
     def join(self, first: int, second: int, distance: float) -> None:
         """Fix second at first + distance, unless that contradicts what is known."""
-        (one, first_offset), (other, second_offset) = self._root(first), self._root(second)
-        if one == other:
+        (root, first_offset), (other, second_offset) = self._root(first), self._root(second)
+        if root == other:
             return
         shift = first_offset + distance - second_offset
         low, high = self._spans[other]
-        low, high = max(self._spans[one][0], low - shift), min(self._spans[one][1], high - shift)
+        low, high = max(self._spans[root][0], low - shift), min(self._spans[root][1], high - shift)
         if low <= high:
-            self._parents[other], self._offsets[other] = one, shift
-            self._spans[one] = low, high
+            self._parents[other], self._offsets[other] = root, shift
+            self._spans[root] = low, high
 
     def place(self, index: int) -> float:
         """The middle of where this edge can lie."""

@@ -58,9 +58,9 @@ def prepare(rgb: ByteArray) -> Sheet:
     done = Straightening()
     corners = find_sheet(small)
     if corners is not None:
-        own = corners / shrink
-        points = tuple((float(x), float(y)) for x, y in own)
-        done = Straightening(0.0, points, sheet_size(own, rgb.shape))
+        corners_px = corners / shrink
+        points = tuple((float(x), float(y)) for x, y in corners_px)
+        done = Straightening(0.0, points, sheet_size(corners_px, rgb.shape))
         small, fine = (straightened(part, done, rgb.shape) for part in (small, fine))
     skew_deg = measure_skew(small)
     if skew_deg:
@@ -73,8 +73,8 @@ def prepare(rgb: ByteArray) -> Sheet:
 def straightening_matrix(
     done: Straightening, shape: tuple[int, ...]
 ) -> tuple[FloatArray, tuple[int, int]]:
-    """(3, 3) from the continuous pixels of a picture of a shape (H, W) to those of the straightened
-    one, and its width and height.
+    """(3, 3) from the continuous pixels of a picture of a shape (H, W) to the pixels of the
+    straightened picture, and its width and height.
     """
     matrix, size = np.eye(3), (shape[1], shape[0])
     if done.corners_px:
@@ -99,9 +99,9 @@ def _warped(rgb: ByteArray, matrix: FloatArray, size: tuple[int, int]) -> ByteAr
     # cv2 puts pixel centres at whole numbers.
     half, back = np.eye(3), np.eye(3)
     half[:2, 2], back[:2, 2] = 0.5, -0.5
-    own = back @ matrix @ half
+    warp = back @ matrix @ half
     return np.asarray(
-        cv2.warpPerspective(rgb, own, size, flags=cv2.INTER_LINEAR, borderValue=paper), np.uint8
+        cv2.warpPerspective(rgb, warp, size, flags=cv2.INTER_LINEAR, borderValue=paper), np.uint8
     )
 
 
@@ -142,7 +142,7 @@ def measure_skew(rgb: ByteArray) -> float:
     grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
     edges = np.asarray(cv2.Canny(grey, 60, 160), np.uint8)
     skew_deg = _sharpest_turn(edges, _skew_of_lines(edges))
-    # A turn that shifts the far end of the longest line by a pixel cannot be told from none.
+    # A turn that shifts the far end of the longest line by a pixel looks like none.
     least_deg = max(_LEAST_SKEW_DEG, math.degrees(1.5 / max(edges.shape)))
     return skew_deg if abs(skew_deg) > least_deg else 0.0
 
@@ -150,7 +150,7 @@ def measure_skew(rgb: ByteArray) -> float:
 def _sharpest_turn(edges: ByteArray, near_deg: float) -> float:
     """The turn at which most edges share their rows and columns.
 
-    The lines of a small turn are stairs of upright pieces; all together they tell.
+    The lines of a small turn are stairs of upright pieces; only all together show the turn.
     """
     points = np.argwhere(edges > 0)[:: max(1, int((edges > 0).sum()) // _SAMPLES)]
     points = points - np.array(edges.shape) / 2

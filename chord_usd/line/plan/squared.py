@@ -31,7 +31,7 @@ _CHAMFER = 1.6
 """A slanted edge that cuts a corner off is meant if longer than so many."""
 _SLANT_DEG, _PHOTO = 2.5, 0.3
 """Where more than this share of all edges is askew by more, the picture was taken at a slant, and
-no edge tells what is torn."""
+no edge shows what is torn."""
 _ALIKE = 0.85
 """Share of the area about both outlines that they share at least, or the first one stays."""
 
@@ -73,12 +73,12 @@ def squared(polygon: FloatArray, mask: BoolArray, thickness_px: float) -> FloatA
     corners = zip(polygon, np.roll(polygon, -1, axis=0), strict=True)
     lines = [line for start, stop in corners for line in _lines(start, stop, rim, thickness_px)]
     lines = _merged(_without_chamfers(lines, _CHAMFER * thickness_px), _JUMP * thickness_px)
-    found = _corners(lines)
-    if len(found) < 4 or not Polygon(found).is_valid:
+    outline = _corners(lines)
+    if len(outline) < 4 or not Polygon(outline).is_valid:
         return polygon
-    before, after = Polygon(polygon), Polygon(found)
+    before, after = Polygon(polygon), Polygon(outline)
     is_alike = before.intersection(after).area > _ALIKE * before.union(after).area
-    return found if is_alike else polygon
+    return outline if is_alike else polygon
 
 
 def _rim(mask: BoolArray) -> FloatArray:
@@ -193,17 +193,17 @@ def _merged(lines: list[_Line], step_px: float) -> list[_Line]:
 
 def _corners(lines: Sequence[_Line]) -> FloatArray:
     """Where each line meets the next; both ends of a step where they are parallel."""
-    found = []
+    corners = []
     for line, after in zip(lines, [*lines[1:], *lines[:1]], strict=True):
         first, second = line.stop - line.start, after.stop - after.start
         sine = first[0] * second[1] - first[1] * second[0]
         if abs(sine) <= 0.1 * np.hypot(*first) * np.hypot(*second):
-            found += [line.stop, _at_height(after, line.stop)]
+            corners += [line.stop, _at_height(after, line.stop)]
             continue
         gap = after.start - line.start
         share = (gap[0] * second[1] - gap[1] * second[0]) / sine
-        found.append(line.start + share * first)
-    return np.array(found)
+        corners.append(line.start + share * first)
+    return np.array(corners)
 
 
 def _at_height(after: _Line, corner: FloatArray) -> FloatArray:

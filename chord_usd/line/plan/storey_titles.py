@@ -46,7 +46,7 @@ def titled(
 
     bounds_px: (2, 2) lowest and highest corner of each. A title goes to one plan.
     """
-    found: list[tuple[float, float, str] | None] = [None] * len(bounds_px)
+    titles: list[tuple[float, float, str] | None] = [None] * len(bounds_px)
     for text in texts:
         rank = storey_rank(text.text)
         if rank is None:
@@ -56,8 +56,8 @@ def titled(
                 for low, high in bounds_px]  # fmt: skip
         nearest = int(np.argmin(gaps))
         low, high = bounds_px[nearest]
-        held = found[nearest]
+        held = titles[nearest]
         near = gaps[nearest] <= _FARTHEST * float((high - low).max())
         if near and (held is None or gaps[nearest] < held[0]):
-            found[nearest] = (gaps[nearest], rank, text.text.strip())
-    return [None if one is None else one[1:] for one in found]
+            titles[nearest] = (gaps[nearest], rank, text.text.strip())
+    return [None if title is None else title[1:] for title in titles]

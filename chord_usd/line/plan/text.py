@@ -68,12 +68,12 @@ def read_texts(rgb: ByteArray) -> tuple[Text, ...]:
     # The engine takes BGR, as OpenCV does; without its classifier lines that run up are read
     # upside down.
     broad = _broadened(np.asarray(sized, np.uint8))
-    found = _engine()(np.ascontiguousarray(broad[:, :, ::-1]), use_cls=True)
-    if found.txts is None:
+    result = _engine()(np.ascontiguousarray(broad[:, :, ::-1]), use_cls=True)
+    if result.txts is None:
         return ()
     return tuple(
         Text(str(text), np.asarray(corners, np.float64) / scale, float(score))
-        for text, corners, score in zip(found.txts, found.boxes, found.scores, strict=True)
+        for text, corners, score in zip(result.txts, result.boxes, result.scores, strict=True)
         if score >= _LEAST_SCORE
     )
 

@@ -94,7 +94,7 @@ _WEIGHTS = (2.2, 2.0, 1.2, 0.5, 0.5, 0.3, 0.3, 0.6)
 def symptoms_of(plan: Plan, joined: int = 0) -> Symptoms:
     """What is unsure of a plan that was read, with its warnings. joined: floors that became parts
     of others, each with an unsure outline and opening."""
-    told = _told(plan)
+    warnings = _warnings_in(plan)
     rooms = max(len(plan.rooms), 1)
     seen = [opening for opening in plan.openings if not is_guessed(opening)]
     vague = (sum(map(is_vague, seen)) + joined) / max(len(seen) + joined, 1)
@@ -103,10 +103,10 @@ def symptoms_of(plan: Plan, joined: int = 0) -> Symptoms:
         vague,
         (sum(map(is_shaky, plan.rooms)) + joined) / (rooms + joined),
         apart,
-        any(CHECK_SCALE in one for one in told),
-        any(OF_SEVERAL in one for one in told),
-        any(NO_ROOM in one for one in told),
-        any(CUT_OFF in one for one in told),
+        any(CHECK_SCALE in line for line in warnings),
+        any(OF_SEVERAL in line for line in warnings),
+        any(NO_ROOM in line for line in warnings),
+        any(CUT_OFF in line for line in warnings),
         sum(room.kind == "unknown" for room in plan.rooms) / rooms,
     )
 
@@ -137,8 +137,8 @@ def verdict_of(plan: Plan) -> Verdict:
     if symptoms.total >= _WRONG:
         return "wrong"
     is_told = any(
-        not one.startswith(_NOT_DOUBTFUL) and not any(part in one for part in _SURE_PARTS)
-        for one in _told(plan)
+        not line.startswith(_NOT_DOUBTFUL) and not any(part in line for part in _SURE_PARTS)
+        for line in _warnings_in(plan)
     )
     is_partly = symptoms.apart > 0 or symptoms.unknown > _MOST_UNKNOWN
     return "look" if symptoms.total >= _LOOK or is_partly or is_told else "right"
@@ -151,9 +151,10 @@ def doubts_placed(plan: Plan) -> list[dict[str, Any]]:
     for room in plan.rooms:
         inside = room_polygon(room).representative_point()
         at[room.id] = (inside.x, inside.y)
-    about = [(text, doubted_by(plan, text)) for text in _told(plan)]
+    about = [(text, doubted_by(plan, text)) for text in _warnings_in(plan)]
     return [
-        {"text": text, "ids": ids, "at": [_rounded(at[one]) for one in ids]} for text, ids in about
+        {"text": text, "ids": ids, "at": [_rounded(at[doubted]) for doubted in ids]}
+        for text, ids in about
     ]
 
 
@@ -173,8 +174,8 @@ def _rounded(spot: Sequence[float]) -> list[float]:
     return [round(float(value), 3) for value in spot]
 
 
-def _told(plan: Plan) -> list[str]:
-    return [str(one) for one in plan.extra.get(WARNINGS, ())]
+def _warnings_in(plan: Plan) -> list[str]:
+    return [str(line) for line in plan.extra.get(WARNINGS, ())]
 
 
 def is_shaky(room: Room) -> bool:
@@ -193,12 +194,12 @@ def reached_together(plan: Plan) -> list[list[str]]:
     ids = [room.id for room in plan.rooms]
     index_of = {room_id: index for index, room_id in enumerate(ids)}
     touching = seams([room_polygon(room) for room in plan.rooms], _TOUCH_M)
-    pairs = [(one, other) for one, other, _ in touching]
+    pairs = [(first, other) for first, other, _ in touching]
     for opening in plan.openings:
         is_way = opening.kind != "window" and not is_guessed(opening)
         if is_way and len(opening.room_ids) == 2:
-            one, other = (index_of[room_id] for room_id in opening.room_ids)
-            pairs.append((one, other))
+            first, other = (index_of[room_id] for room_id in opening.room_ids)
+            pairs.append((first, other))
     groups = [[ids[index] for index in group] for group in hanging_together(len(ids), pairs)]
     return sorted(groups, key=lambda group: (-len(group), group))
 
@@ -206,7 +207,7 @@ def reached_together(plan: Plan) -> list[list[str]]:
 _MEANT: dict[str, Callable[[Plan], list[str]]] = {
     OPEN_OUT: lambda plan: [room.id for room in plan.rooms if OPEN in room.extra],
     UNSURE_RIMS: lambda plan: [room.id for room in plan.rooms if is_shaky(room)],
-    UNSURE_WHAT: lambda plan: [one.id for one in plan.openings if is_vague(one)],
-    NO_DOOR: lambda plan: [one for group in reached_together(plan)[1:] for one in group],
+    UNSURE_WHAT: lambda plan: [opening.id for opening in plan.openings if is_vague(opening)],
+    NO_DOOR: lambda plan: [room_id for group in reached_together(plan)[1:] for room_id in group],
 }
 """Which rooms and openings doubts count, by a part of their words."""

@@ -48,8 +48,8 @@ _MIDDLE = np.array([0.4, 0.5, 0.6])
 
 _IS_WALL = 0.5
 _AT_END = 0.3
-"""Share of wall where an opening ends: the network blurs jambs outwards, by a pixel at a half. What
-openings there are, and what doors say of the scale, is told by the half."""
+"""Share of wall where an opening ends: the network blurs jambs outwards, by a pixel at a half.
+The openings that exist, and the scale that doors give, follow from the half."""
 
 _LEAST_LENGTH = 1.6
 """What is shorter than so many usual walls are thick is no opening."""
@@ -122,10 +122,10 @@ def find_openings(
 
     thickness_px: of the usual wall.
     """
-    found: list[WallOpening] = []
+    openings: list[WallOpening] = []
     for wall in walls_between(polygons_px, segments, thickness_px):
-        found += _in_wall(wall, segments, thickness_px)
-    return _joined(found, thickness_px)
+        openings += _in_wall(wall, segments, thickness_px)
+    return _joined(openings, thickness_px)
 
 
 def _edges(room: int, polygon: FloatArray) -> Iterator[_Edge]:
@@ -147,23 +147,23 @@ def walls_between(
     edges = [edge for room, polygon in enumerate(polygons_px) for edge in _edges(room, polygon)]
     reach = max(_DEEPEST * thickness_px, _LEAST_OVERLAP_PX)
     covered: dict[_Edge, list[tuple[float, float]]] = {edge: [] for edge in edges}
-    for one, other in combinations(edges, 2):
-        if one.room == other.room or one.outward @ other.outward > _OPPOSED:
+    for face, other in combinations(edges, 2):
+        if face.room == other.room or face.outward @ other.outward > _OPPOSED:
             continue
-        ends = np.stack([other.start, other.start + other.length * other.along]) - one.start
-        depth = float((ends @ one.outward).mean())
-        low, high = max(0.0, float((ends @ one.along).min())), min(
-            one.length, float((ends @ one.along).max()))  # fmt: skip
+        ends = np.stack([other.start, other.start + other.length * other.along]) - face.start
+        depth = float((ends @ face.outward).mean())
+        low, high = max(0.0, float((ends @ face.along).min())), min(
+            face.length, float((ends @ face.along).max()))  # fmt: skip
         if not -1.0 < depth < reach or high - low < _LEAST_OVERLAP_PX:
             continue
-        strip = _sampled(segments.built[OUTSIDE], one, np.arange(low, high, 2.0), _MIDDLE * depth)
+        strip = _sampled(segments.built[OUTSIDE], face, np.arange(low, high, 2.0), _MIDDLE * depth)
         if strip.mean() > _IS_WALL:  # two houses, or two storeys side by side
             continue
-        covered[one].append((low, high))
-        turned = one.start - other.start
-        spans = [float((turned + place * one.along) @ other.along) for place in (low, high)]
+        covered[face].append((low, high))
+        turned = face.start - other.start
+        spans = [float((turned + place * face.along) @ other.along) for place in (low, high)]
         covered[other].append((min(spans), max(spans)))
-        yield Wall(one, low, high, max(depth, 1.0), other)
+        yield Wall(face, low, high, max(depth, 1.0), other)
     for edge, spans_px in covered.items():
         for low, high in gaps(spans_px, edge.length):
             if high - low <= _LEAST_OVERLAP_PX:
@@ -202,15 +202,15 @@ def borders_between(
 ) -> dict[tuple[int, int], FloatArray]:
     """By pairs of rooms the length of what parts them, and how much of it is no wall, and a door,
     pixels."""
-    found: dict[tuple[int, int], FloatArray] = {}
+    totals: dict[tuple[int, int], FloatArray] = {}
     for wall in walls_between(polygons_px, segments, thickness_px):
         if wall.other is not None:
             first, second = sorted((wall.edge.room, wall.other.room))
             profile = profile_of(wall, segments)
             sums = [1.0, 1.0 - profile[WALL].mean(), profile[DOOR].mean()]
             added = (wall.high - wall.low) * np.array(sums)
-            found[first, second] = found.get((first, second), np.zeros(3)) + added
-    return found
+            totals[first, second] = totals.get((first, second), np.zeros(3)) + added
+    return totals
 
 
 def profile_of(wall: Wall, segments: Segments) -> FloatArray:
@@ -240,8 +240,8 @@ def _in_wall(wall: Wall, segments: Segments, thickness_px: float) -> Iterator[Wa
             if stop - start < least_px or not (is_told or runs_on):
                 continue
             kind = _KINDS[label] if is_told else "passage"
-            found = _opening(wall, kind, along[first] + start - 0.5, stop - start, sign)
-            yield replace(found, insets_px=_insets(profile[WALL], first, last, start, stop))
+            opening = _opening(wall, kind, along[first] + start - 0.5, stop - start, sign)
+            yield replace(opening, insets_px=_insets(profile[WALL], first, last, start, stop))
 
 
 def _runs(is_open: np.ndarray) -> Iterator[tuple[int, int]]:
@@ -253,13 +253,13 @@ def _runs(is_open: np.ndarray) -> Iterator[tuple[int, int]]:
 def _by_kind(profile: np.ndarray, least_px: float) -> Iterator[tuple[int, int, int]]:
     """Stretches of a hole of one kind each, with the kind's label; short ones go to the longest."""
     labels = np.array(tuple(_KINDS))
-    own = labels[profile[labels].argmax(axis=0)]
-    cuts = [0, *(np.flatnonzero(np.diff(own)) + 1).tolist(), len(own)]
-    stretches = [(a, b, int(own[a])) for a, b in pairwise(cuts)]
+    kinds = labels[profile[labels].argmax(axis=0)]
+    cuts = [0, *(np.flatnonzero(np.diff(kinds)) + 1).tolist(), len(kinds)]
+    stretches = [(a, b, int(kinds[a])) for a, b in pairwise(cuts)]
     if min(b - a for a, b, _ in stretches) >= least_px:
         yield from stretches
         return
-    yield 0, len(own), int(labels[profile[labels].sum(axis=1).argmax()])
+    yield 0, len(kinds), int(labels[profile[labels].sum(axis=1).argmax()])
 
 
 def _insets(
@@ -302,10 +302,10 @@ def door_in(wall: Wall, start: float, length: float, sign: float) -> WallOpening
     return replace(_opening(wall, "door", start, length, sign), is_guess=True)
 
 
-def _joined(found: list[WallOpening], thickness_px: float) -> list[WallOpening]:
+def _joined(openings: list[WallOpening], thickness_px: float) -> list[WallOpening]:
     """Pieces of one opening in a wall whose face has a step are one."""
     kept: list[WallOpening] = []
-    for piece in sorted(found, key=lambda one: -one.length_px):
+    for piece in sorted(openings, key=lambda opening: -opening.length_px):
         for index, other in enumerate(kept):
             if _is_same(piece, other, thickness_px):
                 kept[index] = _together(other, piece)
@@ -315,30 +315,30 @@ def _joined(found: list[WallOpening], thickness_px: float) -> list[WallOpening]:
     return kept
 
 
-def _is_same(one: WallOpening, other: WallOpening, thickness_px: float) -> bool:
-    if one.kind != other.kind or {r for r, _ in one.rooms} != {r for r, _ in other.rooms}:
+def _is_same(first: WallOpening, other: WallOpening, thickness_px: float) -> bool:
+    if first.kind != other.kind or {r for r, _ in first.rooms} != {r for r, _ in other.rooms}:
         return False
-    between = one.center_px - other.center_px
-    apart = abs(float(between @ other.along)) - (one.length_px + other.length_px) / 2
+    between = first.center_px - other.center_px
+    apart = abs(float(between @ other.along)) - (first.length_px + other.length_px) / 2
     aside = abs(float(between @ np.array([-other.along[1], other.along[0]])))
-    is_parallel = abs(float(one.along @ other.along)) > -_OPPOSED
+    is_parallel = abs(float(first.along @ other.along)) > -_OPPOSED
     return (
         is_parallel
-        and apart < (_JOINED_PX if one.kind == "window" else _JOINED * thickness_px)
+        and apart < (_JOINED_PX if first.kind == "window" else _JOINED * thickness_px)
         and aside < thickness_px
     )
 
 
-def _together(one: WallOpening, other: WallOpening) -> WallOpening:
-    """From the far end of one to that of the other, in the wall of the longer."""
-    shift = float((other.center_px - one.center_px) @ one.along)
-    insets = other.insets_px if float(one.along @ other.along) > 0 else other.insets_px[::-1]
-    pieces = (0.0, one.length_px, one.insets_px), (shift, other.length_px, insets)
-    low, first = min((middle - length / 2, own[0]) for middle, length, own in pieces)
-    high, last = max((middle + length / 2, own[1]) for middle, length, own in pieces)
+def _together(piece: WallOpening, other: WallOpening) -> WallOpening:
+    """The opening from the far end of the piece to that of the other, in the wall of the piece."""
+    shift = float((other.center_px - piece.center_px) @ piece.along)
+    insets = other.insets_px if float(piece.along @ other.along) > 0 else other.insets_px[::-1]
+    pieces = (0.0, piece.length_px, piece.insets_px), (shift, other.length_px, insets)
+    low, first = min((middle - length / 2, inset[0]) for middle, length, inset in pieces)
+    high, last = max((middle + length / 2, inset[1]) for middle, length, inset in pieces)
     return replace(
-        one,
-        center_px=one.center_px + (low + high) / 2 * one.along,
+        piece,
+        center_px=piece.center_px + (low + high) / 2 * piece.along,
         length_px=high - low,
         insets_px=(first, last),
     )

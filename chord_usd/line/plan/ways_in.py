@@ -32,7 +32,7 @@ _PASSED_M = 0.5
 _LEAST_M2 = 1.0
 """Of the floor of a part that needs a way in."""
 _LEAST_SIGN = 0.12
-"""Share that is no wall below which nothing tells where in a wall a door is."""
+"""Share that is no wall; below it nothing shows where in a wall a door is."""
 _BEFORE_M = 0.6
 """Before a guessed door nothing is drawn so near, where another place in its wall will do."""
 _TOUCHED_M2 = 0.02
@@ -76,7 +76,7 @@ def with_ways_in(
     sizes = [sum(floors[room] for room in group) for group in groups]
     entered |= {number for number, size in enumerate(sizes) if size < _LEAST_M2}
     # Of parts of as many rooms, the largest is where people come from.
-    main = max(range(len(groups)), key=lambda one: (len(groups[one]), sizes[one]))
+    main = max(range(len(groups)), key=lambda index: (len(groups[index]), sizes[index]))
     openings, outlines = list(reading.openings), list(reading.outlines)
     joined: list[tuple[int, int]] = []
     for way in sorted(_ways(reading, m_per_px, drawn_px), key=lambda each: -each.sign):
@@ -100,15 +100,15 @@ def without_doors_onto_baths(
     baths = shapely.union_all(baths_px)
     before = _STEPPED_M / m_per_px
 
-    def is_onto_bath(one: WallOpening) -> bool:
-        span, deep = (-one.length_px / 2, one.length_px / 2), one.depth_px / 2
-        steps = [_strip(one.center_px, one.along, -outward, span, (deep, deep + before))
-                 for _, outward in one.rooms]  # fmt: skip
+    def is_onto_bath(opening: WallOpening) -> bool:
+        span, deep = (-opening.length_px / 2, opening.length_px / 2), opening.depth_px / 2
+        steps = [_strip(opening.center_px, opening.along, -outward, span, (deep, deep + before))
+                 for _, outward in opening.rooms]  # fmt: skip
         return any(baths.intersection(step).area >= _ONTO * step.area for step in steps)
 
     kept = [
-        one for one in reading.openings
-        if one.kind == "window" or len(one.rooms) < 2 or not is_onto_bath(one)
+        opening for opening in reading.openings
+        if opening.kind == "window" or len(opening.rooms) < 2 or not is_onto_bath(opening)
     ]  # fmt: skip
     return replace(reading, openings=kept)
 
@@ -116,7 +116,7 @@ def without_doors_onto_baths(
 def _groups(reading: SeenReading, least_px: float, least_sure: float = 0.0) -> list[list[int]]:
     """Rooms that ways join of so many pixels, and as sure."""
     floors = [Polygon(polygon).buffer(0) for polygon in reading.polygons_px]
-    pairs = [(one, other) for one, other, _ in seams(floors, _TOUCH_PX)]
+    pairs = [(first, other) for first, other, _ in seams(floors, _TOUCH_PX)]
     pairs += [
         (o.rooms[0][0], o.rooms[1][0])
         for o in reading.openings
@@ -129,11 +129,11 @@ def _groups(reading: SeenReading, least_px: float, least_sure: float = 0.0) -> l
 def _ways(reading: SeenReading, m_per_px: float, drawn_px: Sequence[Polygon]) -> Iterator[_Way]:
     """Windows between two rooms and outer doors before floors, as doors, and a door in each wall
     between two rooms."""
-    for one in reading.openings:
-        if one.kind == "window" and len(one.rooms) == 2:
-            yield _Way(1.0, replace(one, kind="door", is_guess=True))
-        elif one.kind != "window" and len(one.rooms) == 1:
-            yield from _before_cut_floor(one, reading)
+    for opening in reading.openings:
+        if opening.kind == "window" and len(opening.rooms) == 2:
+            yield _Way(1.0, replace(opening, kind="door", is_guess=True))
+        elif opening.kind != "window" and len(opening.rooms) == 1:
+            yield from _before_cut_floor(opening, reading)
     thickness_px = reading.regions.thickness_px
     length, before = round(USUAL_DOOR_M / m_per_px), _BEFORE_M / m_per_px
     for wall in walls_between(reading.polygons_px, reading.segments, thickness_px):
@@ -162,7 +162,7 @@ def _clear(
     for first in range(count) if drawn_px else ():
         along = wall.low + first, wall.low + first + length
         zone = _strip(edge.start, edge.along, edge.outward, along, across)
-        free[first] = all(zone.intersection(one).area <= touched for one in drawn_px)
+        free[first] = all(zone.intersection(piece_px).area <= touched for piece_px in drawn_px)
     return free
 
 
@@ -178,34 +178,36 @@ def _strip(
     return Polygon([start + span[i] * along + depth[j] * outward for i, j in ends])
 
 
-def _before_cut_floor(one: WallOpening, reading: SeenReading) -> Iterator[_Way]:
+def _before_cut_floor(opening: WallOpening, reading: SeenReading) -> Iterator[_Way]:
     """An outer door as one onto the floor ahead of it, no farther than its leaf is long."""
-    (room, outward), *_ = one.rooms
-    half, thickness = one.depth_px / 2, reading.regions.thickness_px
-    ahead = LineString([one.center_px, one.center_px + (half + one.length_px) * outward])
+    (room, outward), *_ = opening.rooms
+    half, thickness = opening.depth_px / 2, reading.regions.thickness_px
+    ahead = LineString(
+        [opening.center_px, opening.center_px + (half + opening.length_px) * outward]
+    )
     floors = [Polygon(polygon).buffer(0) for polygon in reading.polygons_px]
     spots = {number: floor.intersection(ahead) for number, floor in enumerate(floors)
              if number != room and floor.intersects(ahead)}  # fmt: skip
     if not spots:
         return
-    beyond = min(spots, key=lambda number: spots[number].distance(Point(one.center_px)))
-    far = spots[beyond].distance(Point(one.center_px)) + thickness
-    span = -one.length_px / 2, one.length_px / 2
-    strip = _strip(one.center_px, one.along, outward, span, (half, far))
+    beyond = min(spots, key=lambda number: spots[number].distance(Point(opening.center_px)))
+    far = spots[beyond].distance(Point(opening.center_px)) + thickness
+    span = -opening.length_px / 2, opening.length_px / 2
+    strip = _strip(opening.center_px, opening.along, outward, span, (half, far))
     grown = [part for part in polygons_of(floors[beyond].union(strip)) if part.intersects(strip)]
     others = shapely.union_all([floor for number, floor in enumerate(floors) if number != beyond])
     if len(grown) == 1 and not strip.intersects(others):
         corners = np.array(orient(Polygon(grown[0].exterior), -1.0).exterior.coords)[:-1]
-        rooms = (*one.rooms, (beyond, -outward))
-        door = replace(one, kind="door", rooms=rooms, is_guess=True)
-        yield _Way(one.confidence, door, corners)
+        rooms = (*opening.rooms, (beyond, -outward))
+        door = replace(opening, kind="door", rooms=rooms, is_guess=True)
+        yield _Way(opening.confidence, door, corners)
 
 
-def _is_replaced(one: WallOpening, way: WallOpening) -> bool:
+def _is_replaced(opening: WallOpening, way: WallOpening) -> bool:
     """Whether a way takes the place of an opening between the same rooms, or is that opening."""
-    between = one.center_px - way.center_px
-    is_near = bool(np.hypot(*between) < (one.length_px + way.length_px) / 2)
-    return is_near and {room for room, _ in one.rooms} <= {room for room, _ in way.rooms}
+    between = opening.center_px - way.center_px
+    is_near = bool(np.hypot(*between) < (opening.length_px + way.length_px) / 2)
+    return is_near and {room for room, _ in opening.rooms} <= {room for room, _ in way.rooms}
 
 
 def without_scraps(reading: SeenReading, named: Sequence[bool]) -> tuple[SeenReading, list[str]]:
@@ -243,19 +245,23 @@ def with_rooms_shut(openings: Sequence[Opening], rooms: Sequence[Room]) -> tuple
     shut = {room.id for room in rooms if room.kind in _SHUT}
     number_of = {room.id: number for number, room in enumerate(rooms)}
 
-    def is_doubtful(one: Opening) -> bool:
-        is_vague = one.extra.get(CONFIDENCE, 1.0) < _SURE
-        return one.kind == "passage" and len(one.room_ids) == 2 and is_vague and bool(
-            shut.intersection(one.room_ids)
+    def is_doubtful(opening: Opening) -> bool:
+        is_vague = opening.extra.get(CONFIDENCE, 1.0) < _SURE
+        return opening.kind == "passage" and len(opening.room_ids) == 2 and is_vague and bool(
+            shut.intersection(opening.room_ids)
         )  # fmt: skip
 
-    kept = [one for one in openings if not is_doubtful(one)]
-    ways = [one.room_ids for one in kept if one.kind != "window" and len(one.room_ids) == 2]
+    kept = [opening for opening in openings if not is_doubtful(opening)]
+    ways = [
+        opening.room_ids
+        for opening in kept
+        if opening.kind != "window" and len(opening.room_ids) == 2
+    ]
     pairs = [(number_of[a], number_of[b]) for a, b in ways]
-    doors = count(1 + sum(one.kind == "door" for one in openings))
-    for one in filter(is_doubtful, openings):
-        a, b = (number_of[room_id] for room_id in one.room_ids)
+    doors = count(1 + sum(opening.kind == "door" for opening in openings))
+    for opening in filter(is_doubtful, openings):
+        a, b = (number_of[room_id] for room_id in opening.room_ids)
         if not any(a in group and b in group for group in hanging_together(len(rooms), pairs)):
             pairs.append((a, b))
-            kept.append(replace(one, id=f"door{next(doors)}", kind="door"))
+            kept.append(replace(opening, id=f"door{next(doors)}", kind="door"))
     return tuple(kept)

@@ -107,13 +107,13 @@ def _spots(
     names: dict[int, int] = {}
     for label in range(plan_labels.FIRST_ROOM, plan_labels.WALL):
         mask = ((labels == label) & house).astype(np.uint8)
-        count, found, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=4)
+        count, components, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=4)
         for index in range(1, count):
             if stats[index, cv2.CC_STAT_AREA] < least_px:
                 continue
-            spot = found == index
-            own = [seed for seed in seeds.get(label, ()) if spot[seed.row, seed.column]]
-            for room in divided(spot, own, least_px):
+            spot = components == index
+            inside = [seed for seed in seeds.get(label, ()) if spot[seed.row, seed.column]]
+            for room in divided(spot, inside, least_px):
                 names[len(names) + 1] = label
                 spots[room] = len(names)
     return spots, names
@@ -137,7 +137,7 @@ def _lines(
     """Positions of lines, in continuous pixels: votes[k] is the border between pixels k, k + 1."""
     left = votes.astype(float)
     places = np.arange(1, len(votes) + 1, dtype=float)
-    found = list(fixed)
+    lines = list(fixed)
     for line in fixed:
         left[np.abs(places - line) < gap_px] = 0.0
     while True:
@@ -145,9 +145,9 @@ def _lines(
         best = int(around.argmax())
         near = np.abs(places - places[best]) <= 1.0
         if around[best] < least_px:
-            return np.sort(np.array(found))
+            return np.sort(np.array(lines))
         line = float((left * places)[near].sum() / left[near].sum())
-        found.append(line)
+        lines.append(line)
         left[np.abs(places - line) < gap_px] = 0.0
 
 

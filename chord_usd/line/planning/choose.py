@@ -41,17 +41,19 @@ class Candidate:
 
 def judged(plan: Plan, wish: Wish, programme: Wish | None = None) -> Candidate:
     """A plan measured by a wish, and by what was made of it before planning; None: nothing was."""
-    found = faults(plan)
+    misses = faults(plan)
     counts = room_counts(plan)
     missed = _missed(counts, wish)
     area_m2 = floor_area_m2(plan) if plan.rooms else 0.0
     off = abs(area_m2 / wish.area_m2 - 1.0) if wish.area_m2 else 0.0
-    cost = _FAULT_COST * len(found) + off / AREA_TOLERANCE * (off > AREA_TOLERANCE / 2)
+    cost = _FAULT_COST * len(misses) + off / AREA_TOLERANCE * (off > AREA_TOLERANCE / 2)
     cost += _ROOM_COST * _rooms_off(missed)
     if wish.open_kitchen and not has_open_kitchen(plan):
         cost += _KITCHEN_COST
     off_programme = _rooms_off(_missed(counts, programme or wish))
-    return Candidate(plan, tuple(found), missed, area_m2, off > AREA_TOLERANCE, cost, off_programme)
+    return Candidate(
+        plan, tuple(misses), missed, area_m2, off > AREA_TOLERANCE, cost, off_programme
+    )
 
 
 def best(candidates: Sequence[Candidate]) -> Candidate:

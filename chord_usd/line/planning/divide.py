@@ -1,8 +1,8 @@
 """A painted spot with two rooms' bubbles in it -> the two rooms.
 
 Now and then the network paints two rooms of one kind as one, the wall between them broken or left
-out. The bubble diagram tells that there are two; the wall is put where it is shortest, which is
-along what is there of one, or else halfway between the bubbles.
+out. The bubble diagram shows that there are two; the wall is put where it is shortest, which is
+along the rest of a wall, or else halfway between the bubbles.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ def divided(spot: BoolArray, seeds: Sequence[Seed], least_px: float) -> list[Boo
     for wall in sorted(_walls(spot, seeds))[:_MOST_TRIED]:
         parts = _parted(spot, wall)
         owned = [(part, [s for s in seeds if part[s.row, s.column]]) for part in parts]
-        owned = [(part, own) for part, own in owned if own]
+        owned = [(part, within) for part, within in owned if within]
         if len(owned) > 1 and all(part.sum() >= least_px for part, _ in owned):
-            return [room for part, own in owned for room in divided(part, own, least_px)]
+            return [room for part, seeds_in in owned for room in divided(part, seeds_in, least_px)]
     return [spot]
 
 

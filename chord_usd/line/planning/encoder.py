@@ -99,9 +99,9 @@ class MiniLM:
 
     def encode(self, texts: Sequence[str]) -> list[npt.NDArray[np.float32]]:
         """As TextEncoder."""
-        found = self._tokenizer.encode_batch(list(texts))
+        encodings = self._tokenizer.encode_batch(list(texts))
         ids, masks = (
-            np.array([getattr(text, part) for text in found], np.int64)
+            np.array([getattr(text, part) for text in encodings], np.int64)
             for part in ("ids", "attention_mask")
         )
         (hidden,) = self._network.run({"input_ids": ids, "attention_mask": masks})
@@ -113,5 +113,5 @@ def encoder_of(checkpoint: Path) -> TextEncoder:
 
     Raises ChordError for one that cannot be read.
     """
-    own = checkpoint / ENCODER_FOLDER
-    return TransformersEncoder(own) if own.is_dir() else MiniLM()
+    folder = checkpoint / ENCODER_FOLDER
+    return TransformersEncoder(folder) if folder.is_dir() else MiniLM()

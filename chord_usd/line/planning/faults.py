@@ -71,8 +71,8 @@ def _of_openings(plan: Plan) -> Iterator[str]:
     for opening in plan.openings:
         beside = rooms_beside(opening.box, plan.rooms)
         if not beside or set(beside) != set(opening.room_ids):
-            told = ", ".join(opening.room_ids) or "a room"
-            yield f"{opening.id} does not lie in a wall of {told}"
+            rooms = ", ".join(opening.room_ids) or "a room"
+            yield f"{opening.id} does not lie in a wall of {rooms}"
 
 
 def _of_ways(plan: Plan) -> Iterator[str]:

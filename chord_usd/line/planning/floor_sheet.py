@@ -50,14 +50,14 @@ def on_sheet(sheet: PlanImage, bubbles: Sequence[Bubble]) -> tuple[Bubble, ...]:
     """Bubbles in metres from the middle of a sheet, where they lie in the world."""
     half_m = plan_labels.CANVAS_PX * sheet.frame.m_per_px / 2
     x_m, y_m = (origin + half_m for origin in sheet.frame.origin_m)
-    return tuple(replace(one, x_m=one.x_m + x_m, y_m=one.y_m + y_m) for one in bubbles)
+    return tuple(replace(bubble, x_m=bubble.x_m + x_m, y_m=bubble.y_m + y_m) for bubble in bubbles)
 
 
 def slips(sheet: PlanImage, bubbles: Sequence[Bubble]) -> int:
     """How many bubbles touch others, or lie where no room can be: beside the open plan."""
     drawn = (sheet.rgb != BACKGROUND_RGB[0]).any(axis=2)
     ground = plan_labels.fill_shell(drawn) if drawn.any() else np.ones_like(drawn)
-    points = px_from_m(np.array([[one.x_m, one.y_m] for one in bubbles]), sheet.frame)
+    points = px_from_m(np.array([[bubble.x_m, bubble.y_m] for bubble in bubbles]), sheet.frame)
     columns, rows = np.floor(points).astype(int).T
     within = (rows >= 0) & (rows < ground.shape[0]) & (columns >= 0) & (columns < ground.shape[1])
     free = (ground & ~drawn)[rows.clip(0, len(ground) - 1), columns.clip(0, len(ground) - 1)]

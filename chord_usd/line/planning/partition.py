@@ -90,27 +90,27 @@ def plan_from_labels(
     grid, floors = _without_slivers(grid, frame, shell)
     numbers, rooms = _rooms(grid, floors)
     stretches = list(_stretches(grid))
-    found = [
+    openings = [
         opening
         for hole in _holes(labels, stretches, frame)
         if (opening := _opening(hole, frame, rooms, numbers)) is not None
     ]
     if shell is not None and shell.openings:
-        inner = [opening for opening in found if len(opening.room_ids) == 2]
-        found = [*_rejoined(shell.openings, rooms), *inner]
-    found += _missing(stretches, found, frame, rooms, numbers)
-    return Plan(tuple(rooms), tuple(_named(found)))
+        inner = [opening for opening in openings if len(opening.room_ids) == 2]
+        openings = [*_rejoined(shell.openings, rooms), *inner]
+    openings += _missing(stretches, openings, frame, rooms, numbers)
+    return Plan(tuple(rooms), tuple(_named(openings)))
 
 
 def _seeds(bubbles: Sequence[Bubble], frame: PixelFrame) -> dict[int, list[Seed]]:
     """The bubbles that lie on the sheet, by their labels."""
-    found: dict[int, list[Seed]] = {}
+    seeds: dict[int, list[Seed]] = {}
     for bubble in bubbles:
         column, row = np.floor(px_from_m(np.array([[bubble.x_m, bubble.y_m]]), frame)[0])
         if min(column, row) >= 0 and max(column, row) < frame.height_px:
             seed = Seed(int(column), int(row), bubble.radius_m / frame.m_per_px)
-            found.setdefault(plan_labels.label_of(bubble.kind), []).append(seed)
-    return found
+            seeds.setdefault(plan_labels.label_of(bubble.kind), []).append(seed)
+    return seeds
 
 
 def _middle(shell: Plan) -> Polygon:

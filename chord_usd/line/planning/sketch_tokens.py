@@ -1,6 +1,6 @@
 """Bubble diagrams as sequences of small numbers: what the sketching network reads and writes.
 
-A house is told in one order: its floor area, how many rooms of each kind, then every room's
+A house is written in one order: its floor area, how many rooms of each kind, then every room's
 bubble, kind by kind and from left to right. Each position of the sequence holds up to SLOTS values
 of one vocabulary; what they mean follows from the position's role.
 """
@@ -131,15 +131,17 @@ def rooms_of(counts: Mapping[RoomKind, int]) -> tuple[Ints, Ints]:
 
 def sequence_of(bubbles: Sequence[Bubble], area_m2: float) -> Sequences:
     """One house; its bubbles in metres from the middle of the sheet."""
-    counts = {kind: sum(one.kind == kind for one in bubbles) for kind in WISHED_KINDS}
+    counts = {kind: sum(bubble.kind == kind for bubble in bubbles) for kind in WISHED_KINDS}
     roles, left = rooms_of(counts)
     heading = np.zeros((HEADING, SLOTS), np.int64)
     heading[AREA_ROLE, 0] = area_value(area_m2)
     heading[FIRST_COUNT_ROLE:, 0] = [count_value(counts[kind]) for kind in WISHED_KINDS]
     rooms = []
     for kind in WISHED_KINDS:
-        own = sorted((one for one in bubbles if one.kind == kind), key=lambda one: one.x_m)
-        rooms += [_bubble_values(one) for one in own[:MOST_COUNTED]]
+        of_kind = sorted(
+            (bubble for bubble in bubbles if bubble.kind == kind), key=lambda bubble: bubble.x_m
+        )
+        rooms += [_bubble_values(bubble) for bubble in of_kind[:MOST_COUNTED]]
     values = np.concatenate([heading, np.array(rooms, np.int64).reshape(-1, SLOTS)])
     return Sequences(
         np.concatenate([np.arange(HEADING), roles]),
@@ -150,13 +152,13 @@ def sequence_of(bubbles: Sequence[Bubble], area_m2: float) -> Sequences:
 
 def bubbles_from(roles: Ints, values: Ints) -> tuple[Bubble, ...]:
     """The bubbles of rooms (R,), (R, SLOTS), in metres from the middle of the sheet."""
-    found = []
-    for role, told in zip(roles, values, strict=True):
-        x_m, y_m = place_m(place_index(told))
-        radius = float(radius_m(radius_index(told)))
+    bubbles = []
+    for role, row in zip(roles, values, strict=True):
+        x_m, y_m = place_m(place_index(row))
+        radius = float(radius_m(radius_index(row)))
         kind = WISHED_KINDS[role - FIRST_ROOM_ROLE]
-        found.append(Bubble(kind, float(x_m), float(y_m), radius))
-    return tuple(found)
+        bubbles.append(Bubble(kind, float(x_m), float(y_m), radius))
+    return tuple(bubbles)
 
 
 def place_index(values: Ints) -> Ints:

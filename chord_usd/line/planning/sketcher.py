@@ -77,8 +77,9 @@ class Sketcher:
     def programme(self, wish: Wish, ground: Ground, seed: int) -> dict[RoomKind, int]:
         """How many rooms of every kind one such house has."""
         # With one seed for all, a thousand open plans would all come out with many rooms, or few.
-        own = zlib.crc32(np.ascontiguousarray(ground.shell).tobytes())
-        heading = self._headings(wish, ground.shell, 1, np.random.default_rng([seed, own]))[0]
+        shell_seed = zlib.crc32(np.ascontiguousarray(ground.shell).tobytes())
+        rng = np.random.default_rng([seed, shell_seed])
+        heading = self._headings(wish, ground.shell, 1, rng)[0]
         return dict(tokens.counts_of(heading))
 
     def _tell_rooms(
@@ -126,12 +127,12 @@ class Sketcher:
         self, shell: tokens.Floats, lines: tokens.Sequences, place: int, slot: int
     ) -> npt.NDArray[np.float64]:
         """(B, VOCABULARY) log chances of what stands next."""
-        told = slice(place + 1)
+        known = slice(place + 1)
         shells = np.broadcast_to(shell, (len(lines.roles), *shell.shape))
-        inputs = (shells, lines.roles[:, told], lines.left[:, told], lines.values[:, told])
+        inputs = (shells, lines.roles[:, known], lines.left[:, known], lines.values[:, known])
         arrays = [np.ascontiguousarray(array) for array in inputs]
-        (found,) = self._network.run(dict(zip(GRAPH_INPUTS, arrays, strict=True)))
-        return found[:, place, slot].astype(np.float64)
+        (chances,) = self._network.run(dict(zip(GRAPH_INPUTS, arrays, strict=True)))
+        return chances[:, place, slot].astype(np.float64)
 
 
 def load_sketcher(folder: Path) -> Sketcher:
@@ -163,8 +164,8 @@ def _begun(headings: tokens.Ints) -> tokens.Sequences:
     lines = _blank(len(rooms), tokens.HEADING + max(len(roles) for roles, _ in rooms))
     lines.values[:, : tokens.HEADING] = headings
     for line, (roles, left) in enumerate(rooms):
-        told = slice(tokens.HEADING, tokens.HEADING + len(roles))
-        lines.roles[line, told], lines.left[line, told] = roles, left
+        known = slice(tokens.HEADING, tokens.HEADING + len(roles))
+        lines.roles[line, known], lines.left[line, known] = roles, left
     return lines
 
 
@@ -186,12 +187,12 @@ def _possible(
     slot: int,
 ) -> npt.NDArray[np.float64]:
     """(len(rooms), VOCABULARY) log chances without what is not free any more, on these lines."""
-    found = chances.copy()
-    for row, line in zip(found, rooms, strict=True):
+    kept = chances.copy()
+    for row, line in zip(kept, rooms, strict=True):
         possible = free[line].possible(lines.values[line, place], slot)
         first, last = tokens.value_range(int(lines.roles[line, place]), slot)
         row[first:last][~possible] = -np.inf
-    return found
+    return kept
 
 
 def _drawn(chances: npt.NDArray[np.float64], rng: np.random.Generator) -> tokens.Ints:
@@ -224,20 +225,20 @@ class FreePlaces:
         """(places or radii,) what can stand in a slot, given those before it; all, where nothing
         can: a diagram that slips is better than none.
 
-        values: (SLOTS,) of the bubble that is being told.
+        values: (SLOTS,) of the bubble that is being sampled.
         """
         if slot == 0:
-            found = self._free.any(axis=1)
+            is_free = self._free.any(axis=1)
         elif slot == 1:
-            found = self._free[tokens.place_index(values)[0]]
+            is_free = self._free[tokens.place_index(values)[0]]
         else:
             x_m, y_m = (_PLACES_M[index] for index in tokens.place_index(values))
             clear_m = min(
                 (np.hypot(x_m - x, y_m - y) - radius for x, y, radius in self._taken),
                 default=np.inf,
             )
-            found = tokens.radius_m(np.arange(tokens.RADII)) < clear_m
-        return found if found.any() else np.ones_like(found)
+            is_free = tokens.radius_m(np.arange(tokens.RADII)) < clear_m
+        return is_free if is_free.any() else np.ones_like(is_free)
 
     def take(self, values: tokens.Ints) -> None:
         """Put a bubble down: (SLOTS,) values."""

@@ -55,7 +55,7 @@ def missing_doors(
 
     kinds: of the rooms, by their ids.
     """
-    found: list[MissingDoor] = []
+    doors: list[MissingDoor] = []
     entered = [
         opening.room_ids[0]
         for opening in openings
@@ -72,7 +72,7 @@ def missing_doors(
         front = _best(ranked, FRONT_DOOR_M)
         if front is None:
             return []
-        found.append(front)
+        doors.append(front)
         entered = [front.border.rooms[0]]
     reached = _reached(entered[:1], ways)
     while len(reached) < len(kinds):
@@ -80,11 +80,11 @@ def missing_doors(
         ranked = [(_way_rank(border, reached, kinds), border) for border in between]
         door = _best(ranked, DOOR_M)
         if door is None:
-            return found
-        found.append(door)
+            return doors
+        doors.append(door)
         ways.append(door.border.rooms)
         reached = _reached(reached, ways)
-    return found
+    return doors
 
 
 def _entrance_rank(kind: RoomKind) -> int:

@@ -1,8 +1,8 @@
 """A text -> the wish in it: rooms by kind, floor area, whether the kitchen is open.
 
-English, and the other languages of room_names in plain phrases. What is not understood is told:
-a text without any wish, and one whose wishes contradict each other or cannot be built, are errors
-that say what was understood.
+English, and the other languages of room_names in plain phrases. Warnings name the words that are
+not understood. A text without any wish, or with wishes that contradict each other or cannot be
+built, is an error that says what was understood.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Understood:
     """What of the text is not heard, and why."""
 
     @property
-    def told(self) -> str:
+    def summary(self) -> str:
         """The wish in short: "2 bedrooms, 1 kitchen, 70 m²"."""
         wet = self.wish.wet
         counts = {kind: n - sum(wet.values()) * (kind == "bathroom")
@@ -121,38 +121,40 @@ def read_wish(text: str) -> Understood:
         counts.setdefault("living", 1)
         if counts.setdefault("bedroom", 0):
             warnings.append("a studio has no bedroom of its own, but bedrooms are asked for")
-    found = Understood(Wish(counts, area_m2, open_kitchen, wet), english, tuple(warnings))
+    understood = Understood(Wish(counts, area_m2, open_kitchen, wet), english, tuple(warnings))
     if not counts and area_m2 is None and total is None and warnings:
         raise _error(f"cannot be planned: {listed(warnings)}")
     if not counts and area_m2 is None and total is None:
         raise _error("names no rooms and no floor area that could be understood")
-    _refuse_impossible(found, total)
+    _refuse_impossible(understood, total)
     if total and not {"bedroom", "living"} & set(counts):
         # A "three-room flat" is counted without kitchen and bathroom, from the living room on.
         counts = {"living": 1, "bedroom": total - 1, **counts}
-    return replace(found, wish=Wish(counts, area_m2, open_kitchen, wet))
+    return replace(understood, wish=Wish(counts, area_m2, open_kitchen, wet))
 
 
-def _refuse_impossible(found: Understood, total: int | None) -> None:
-    wish = found.wish
+def _refuse_impossible(understood: Understood, total: int | None) -> None:
+    wish = understood.wish
     rooms = f"{total} rooms in all, " if total is not None else ""
-    told = f"understood {rooms}{found.told}"
+    summary = f"understood {rooms}{understood.summary}"
     if total == 0 or (total is not None and wish.counts.get("bedroom", 0) > total):
-        raise _error(f"contradicts itself: {told}")
+        raise _error(f"contradicts itself: {summary}")
     if wish.rooms > MOST_ROOMS or (total or 0) > MOST_ROOMS:
-        raise _error(f"asks for more rooms than can be planned: {told}", f"at most {MOST_ROOMS}")
+        raise _error(f"asks for more rooms than can be planned: {summary}", f"at most {MOST_ROOMS}")
     if len(wish.counts) == len(WISHED_KINDS) and not wish.rooms:
-        raise _error(f"leaves no room: {told}", "at least one room")
+        raise _error(f"leaves no room: {summary}", "at least one room")
     if wish.area_m2 is None:
         return
     if not AREA_M2[0] <= wish.area_m2 <= AREA_M2[1]:
         raise _error(
-            f"asks for a floor area that cannot be planned: {told}",
+            f"asks for a floor area that cannot be planned: {summary}",
             f"{AREA_M2[0]:.0f} to {AREA_M2[1]:.0f} m²",
         )
     least_m2 = sum(_LEAST_AREA_M2[kind] * count for kind, count in wish.counts.items())
     if least_m2 > wish.area_m2:
-        raise _error(f"asks for more than fits: {told}", f"at least {least_m2:.0f} m² for so much")
+        raise _error(
+            f"asks for more than fits: {summary}", f"at least {least_m2:.0f} m² for so much"
+        )
 
 
 def _error(what: str, expected: str = "rooms and a floor area, in words") -> ChordError:
@@ -170,18 +172,18 @@ _DIGITS = r"(?:(?<![a-z\d.,])\d[\d.,]*(?:e[+-]?\d+)?)"
 
 def _area(text: str, warnings: list[str]) -> tuple[float | None, str]:
     """The floor area in square metres, the largest of several, and the text without it."""
-    found: list[float] = []
+    areas: list[float] = []
     for units, factor in _UNITS_M2.items():
         pattern = re.compile(rf"({_DIGITS}|(?:\b[a-z]+)(?:[\s-][a-z]+)??)[\s-]*(?:{units})")
         for match in pattern.finditer(text):
             number = _number(match[1])
             if number is not None:
-                found.append(number * factor)
+                areas.append(number * factor)
                 text = text.replace(match[0], " ", 1)
-    unheard = [f"{area:.0f} m²" for area in sorted(found)[:-1] if area < 0.95 * max(found)]
+    unheard = [f"{area:.0f} m²" for area in sorted(areas)[:-1] if area < 0.95 * max(areas)]
     if unheard:
         warnings.append(f"{listed(unheard)}: only the floor area of the whole is heard")
-    return (max(found) if found else None), text
+    return (max(areas) if areas else None), text
 
 
 def _number(said: str) -> float | None:
@@ -240,16 +242,16 @@ def _by_class(
     """Rooms by the classes that networks plan, and how many bathrooms are washrooms and WCs. A home
     of which no other wet room is named has its toilet in a bathroom."""
     wet = {kind: n for kind, n in counts.items() if learned_kind(kind) != kind and n}
-    found = {kind: n for kind, n in counts.items() if learned_kind(kind) == kind}
+    merged = {kind: n for kind, n in counts.items() if learned_kind(kind) == kind}
     if wet:
-        alone = "bathroom" not in found and "wc" in wet
-        found["bathroom"] = found.get("bathroom", 0) + sum(wet.values())
+        alone = "bathroom" not in merged and "wc" in wet
+        merged["bathroom"] = merged.get("bathroom", 0) + sum(wet.values())
         wet = {kind: n - (alone and kind == "wc") for kind, n in wet.items()}
-    return found, {kind: n for kind, n in wet.items() if n}
+    return merged, {kind: n for kind, n in wet.items() if n}
 
 
 def _drop_contradiction(counts: dict[RoomKind, int], kind: RoomKind, warnings: list[str]) -> None:
-    """Nobody can tell which of the two was meant; what else was said stands."""
+    """Drops a kind that is wished and refused; the rest of the text counts."""
     del counts[kind]
     warnings.append(f"{NAMES[kind][1]} are asked for and denied: how many is left open")
 
@@ -259,8 +261,8 @@ _LDK = re.compile(r"(\d)\s?(s?ldk|dk|k)\b")
 
 def _ldk(rooms: int, tail: str) -> Mapping[RoomKind, int]:
     """Japanese agents' short form: 2LDK has two rooms beside living, dining and kitchen."""
-    found: dict[RoomKind, int] = {"bedroom": rooms, "kitchen": 1}
-    return found | ({"living": 1} if "l" in tail else {})
+    counts: dict[RoomKind, int] = {"bedroom": rooms, "kitchen": 1}
+    return counts | ({"living": 1} if "l" in tail else {})
 
 
 def _latin(text: str, english: bool, warnings: list[str]) -> Iterator[tuple[RoomKind | None, int]]:

@@ -1,4 +1,4 @@
-"""What a network that plans floors is told: words of a text, and the programme behind them.
+"""Inputs of a network that plans floors: words of a text, and the programme behind them.
 
 The paper conditions on one CLIP embedding of the text (supplementary, "Text-conditioned floor
 planning"), which says little about numbers. Ours attends to each word's embedding and, beside
@@ -13,7 +13,7 @@ import numpy.typing as npt
 from chord_usd.base.scene.wish import WISHED_KINDS, Wish
 
 Words = npt.NDArray[np.float32]
-"""(WORDS, channels): those of a word of the text, then PROGRAMME_CHANNELS."""
+"""(WORDS, channels): the channels of a word of the text, then PROGRAMME_CHANNELS."""
 
 TEXT_CHANNELS = 384
 """Of a word's embedding by MiniLM, the text model that comes with the program."""

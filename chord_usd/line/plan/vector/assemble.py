@@ -90,8 +90,8 @@ def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None
         )
     _refuse_niches(rooms, scaled.walls, where)
     openings = _openings(scaled, rooms)
-    told = [*drawing.notes, *scale.warnings()]
-    extra: dict[str, Any] = {SCALE: scale.report(), **({WARNINGS: told} if told else {})}
+    warnings = [*drawing.notes, *scale.warnings()]
+    extra: dict[str, Any] = {SCALE: scale.report(), **({WARNINGS: warnings} if warnings else {})}
     extra |= {DRAWN: to_entry(_items(scaled.pieces))} if scaled.pieces else {}
     plan = Plan(rooms, openings, extra)
     return _parted(plan, () if drawing.rooms else scaled.labels)
@@ -99,13 +99,13 @@ def assemble(drawing: VectorDrawing, where: str, m_per_unit: float | None = None
 
 def _items(pieces: Sequence[PieceShape]) -> list[Item]:
     """Pieces in metres, as high as their categories are."""
-    found = []
+    items = []
     for piece in pieces:
         row = category(piece.category)
         size_m = (piece.length, piece.depth, sum(row.height_m) / 2)
         x, y = piece.center.tolist()
-        found.append(Item("", row.name, Box((x, y, 0.0), size_m, piece.yaw_deg)))
-    return found
+        items.append(Item("", row.name, Box((x, y, 0.0), size_m, piece.yaw_deg)))
+    return items
 
 
 def _parted(plan: Plan, labels: Sequence[Label]) -> Plan:
@@ -122,11 +122,11 @@ def _refuse_niches(rooms: Sequence[Room], walls: Sequence[Polygon], where: str) 
     if floor_m2 >= max(_SMALLEST_HOME_M2, _LEAST_COVERED * around_m2):
         return
     closed = "one closed room" if len(rooms) == 1 else f"{len(rooms)} closed rooms"
-    told = f"holds {closed} of {floor_m2:.3g} m²"
+    problem = f"holds {closed} of {floor_m2:.3g} m²"
     if around_m2 > _SMALLEST_HOME_M2:
-        told += f" within {around_m2:.3g} m² of walls"
+        problem += f" within {around_m2:.3g} m² of walls"
     raise PlanError(
-        f"{told}: niches, no dwelling", where=where,
+        f"{problem}: niches, no dwelling", where=where,
         expected=f"rooms of {_SMALLEST_HOME_M2:g} m² or more, whose walls close round them",
         try_="drawing the missing walls or rooms, or --scale if it is larger",
     )  # fmt: skip

@@ -28,13 +28,13 @@ _WALL_GREY, _LINE_GREY = 60, 150
 def backdrop(path: Path, plan: Plan) -> tuple[ByteArray, Mapping[str, Any]]:
     """(H, W, 3) the walls and room outlines of the file round a plan that was read from it.
 
-    The second value is the entry for Plan.extra that tells where this picture lies. The file is
+    The second value is the entry for Plan.extra that says where this picture lies. The file is
     read in a process of its own. Raises PlanError.
     """
-    found: tuple[ByteArray, Mapping[str, Any]] = decode(
+    shown: tuple[ByteArray, Mapping[str, Any]] = decode(
         "backdrop", path, plan, where=str(path), error=PlanError
     )
-    return found
+    return shown
 
 
 def _backdrop(path: Path, plan: Plan) -> tuple[ByteArray, Mapping[str, Any]]:

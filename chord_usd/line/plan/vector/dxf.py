@@ -60,7 +60,7 @@ _HEIGHT_M = (0.2, 6.0)
 
 _BEHIND_M = 0.05
 _WIDEST_GAP_M = 0.3
-"""How far behind the end of a leaf its wall goes on, and what is too far to be told apart."""
+"""How far behind the end of a leaf its wall goes on, and the widest gap that can be bridged."""
 
 _JAMB_M = 0.01
 _SHALLOWEST_HOLE_M = 0.1
@@ -86,7 +86,7 @@ def read_dxf(path: Path) -> list[VectorDrawing]:
     flat = list(_flattened(document.modelspace(), 0))
     try:
         m_per_unit = _units(document, flat)
-        drawings = [_drawing_of(name, own, m_per_unit) for name, own in by_storey(flat)]
+        drawings = [_drawing_of(name, entities, m_per_unit) for name, entities in by_storey(flat)]
     except ValueError as error:
         raise PlanError(f"is damaged ({error})", where=str(path), expected=_EXPECTED) from error
     drawings = [drawing for drawing in drawings if drawing.rooms or drawing.walls]
@@ -111,12 +111,14 @@ def read_dxf(path: Path) -> list[VectorDrawing]:
 def _drawing_of(name: str, entities: Sequence[Any], m_per_unit: float) -> VectorDrawing:
     floor = 0.0
     if name:
-        outlines = [one for one in entities if one.dxftype() == "LWPOLYLINE"]
-        heights = [one.dxf.elevation for one in outlines if _means(one) in ("wall", "room")]
+        outlines = [entity for entity in entities if entity.dxftype() == "LWPOLYLINE"]
+        heights = [
+            outline.dxf.elevation for outline in outlines if _means(outline) in ("wall", "room")
+        ]
         floor = float(min(heights, default=0.0))
         _refuse_odd(entities[0], [floor])
-        for one in outlines:
-            one.dxf.elevation -= floor
+        for outline in outlines:
+            outline.dxf.elevation -= floor
     sorter = _Sorter(m_per_unit)
     for entity in entities:
         sorter.add(entity)
@@ -214,7 +216,7 @@ def _points(entity: Any) -> list[tuple[float, float]]:
 
 
 def _numbers(entity: Any) -> Iterator[float]:
-    """All that the entity's shape is told with."""
+    """All numbers that define the entity's shape."""
     for value in entity.dxf.all_existing_dxf_attribs().values():
         yield from (value.xyz if hasattr(value, "xyz") else [value] * isinstance(value, float))
     if entity.dxftype() == "LWPOLYLINE":
@@ -254,7 +256,7 @@ def _sagitta(entity: Any) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Bar:
-    """A line of an opening, and the heights that an extruded one tells."""
+    """A line of an opening, and the heights of an extruded line."""
 
     line: LineString
     low: float | None = None
@@ -296,11 +298,11 @@ class _Sorter:
 
     def _heights(self, entity: Any) -> tuple[float | None, float | None]:
         """Where an extruded entity begins and how high it is; None for one that is flat."""
-        told = entity.dxf
-        height = float(told.thickness) if told.is_supported("thickness") else 0.0
+        attributes = entity.dxf
+        height = float(attributes.thickness) if attributes.is_supported("thickness") else 0.0
         if not _HEIGHT_M[0] <= height * self.m_per_unit <= _HEIGHT_M[1]:
             return None, None
-        return float(told.elevation) if entity.dxftype() == "LWPOLYLINE" else 0.0, height
+        return float(attributes.elevation) if entity.dxftype() == "LWPOLYLINE" else 0.0, height
 
     def _add_line(
         self, means: str, points: list[tuple[float, float]], low: float | None,
@@ -340,7 +342,7 @@ class _Sorter:
         return [face for face in faces if self._is_thin(face)]
 
     def _single_lines(self, walls: list[Polygon]) -> list[Polygon]:
-        """Walls drawn as one line each: those of the lines that bound no other wall."""
+        """Walls drawn as one line each: the lines that bound no other wall."""
         known = unary_union(walls).buffer(2 * _TOUCH_M / self.m_per_unit)
         half = _SINGLE_WALL_M / 2 / self.m_per_unit
         left = [line.difference(known) for line in self.lines]
@@ -381,12 +383,12 @@ class _Sorter:
 
     def _meet(self, hinge: FloatArray, ends: list[FloatArray], other: FloatArray, arc: Any) -> bool:
         """Whether two leaves, closed, are one door: tips together, hinges on either side."""
-        for one in ends:
+        for jamb in ends:
             for end in _ends(arc):
-                ways = one - hinge, end - other
+                ways = jamb - hinge, end - other
                 lengths = [float(np.hypot(*way)) for way in ways]
                 apart = ways[0] @ ways[1] < -_OPPOSITE * lengths[0] * lengths[1]
-                if apart and float(np.hypot(*(one - end))) < _TOUCH_M / self.m_per_unit:
+                if apart and float(np.hypot(*(jamb - end))) < _TOUCH_M / self.m_per_unit:
                     return True
         return False
 
@@ -428,12 +430,12 @@ class _Sorter:
                 continue
             middle = corners.mean(axis=0)
             half = edges[first] / np.hypot(*edges[first]) * lengths[first] / 2
-            told = next((bar for bar in within if bar.height), within[0])
+            extruded = next((bar for bar in within if bar.height), within[0])
             is_hole = not holes.is_empty and holes.intersects(lines)
             yield OpeningShape(
                 kind, middle - half, middle + half,
                 depth=float(lengths[1 - first]) if is_hole else None,
-                base=told.low, height=told.height,
+                base=extruded.low, height=extruded.height,
             )  # fmt: skip
 
     def _hole(self, line: LineString) -> Polygon | None:

@@ -26,12 +26,12 @@ _RECTANGULAR = 0.95
 def by_storey(flat: Sequence[Any]) -> list[tuple[str, list[Any]]]:
     """What is drawn of each storey, by layers that begin with its name, as chord-usd writes them;
     all of it, without a name, where no layer does."""
-    found: dict[str, list[Any]] = {}
+    by_name: dict[str, list[Any]] = {}
     for entity in flat:
         named = _STOREY.match(entity.dxf.layer) if entity.dxf.hasattr("layer") else None
         if named:
-            found.setdefault(named[1], []).append(entity)
-    return sorted(found.items()) or [("", list(flat))]
+            by_name.setdefault(named[1], []).append(entity)
+    return sorted(by_name.items()) or [("", list(flat))]
 
 
 def stairs_of(
@@ -39,23 +39,23 @@ def stairs_of(
 ) -> list[StairShape]:
     """The stairs up from a storey, by the outlines of their steps."""
     steps = [
-        (float(one.dxf.elevation), Polygon(points))
-        for one in entities
-        if one.dxftype() == "LWPOLYLINE" and one.closed and one.dxf.layer.endswith(_STEPS)
-        and len(points := points_of(one)) > 3
+        (float(entity.dxf.elevation), Polygon(points))
+        for entity in entities
+        if entity.dxftype() == "LWPOLYLINE" and entity.closed and entity.dxf.layer.endswith(_STEPS)
+        and len(points := points_of(entity)) > 3
     ]  # fmt: skip
-    found = []
+    shapes = []
     for part in polygons_of(unary_union([area.buffer(_TOUCH) for _, area in steps])):
-        own = sorted((row for row in steps if part.covers(row[1])), key=lambda row: row[0])
-        ends = [np.array(area.centroid.coords[0]) for _, area in (own[0], own[-1])]
+        part_steps = sorted((row for row in steps if part.covers(row[1])), key=lambda row: row[0])
+        ends = [np.array(area.centroid.coords[0]) for _, area in (part_steps[0], part_steps[-1])]
         rise = float(np.hypot(*(ends[1] - ends[0])))
         up = (ends[1] - ends[0]) / rise if rise > 0.0 else None
-        are_tapered = [_is_tapered(area) for _, area in own]
+        are_tapered = [_is_tapered(area) for _, area in part_steps]
         forms: tuple[StairForm, ...] = ("winder_L", "winder_U") if any(are_tapered) else ()
         forms = ("spiral",) if all(are_tapered) else forms
-        whole = max(polygons_of(part.buffer(-_TOUCH)), key=lambda one: one.area)
-        found.append(StairShape(whole, up, (ends[0], ends[1]), forms))
-    return found
+        whole = max(polygons_of(part.buffer(-_TOUCH)), key=lambda area: area.area)
+        shapes.append(StairShape(whole, up, (ends[0], ends[1]), forms))
+    return shapes
 
 
 def _is_tapered(step: Polygon) -> bool:

@@ -80,10 +80,10 @@ def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan | None:
     if len(plans) == 1:
         return plan
     called = f" ({name})" if name else ""
-    told = (
+    warning = (
         f"the file holds {len(plans)} storeys; number {part} by rooms with doors{called} was taken"
     )
-    extra = {**plan.extra, WARNINGS: [f"{told}, --part N takes another", *_told(plan)]}
+    extra = {**plan.extra, WARNINGS: [f"{warning}, --part N takes another", *_warnings_in(plan)]}
     return Plan(plan.rooms, plan.openings, extra)
 
 
@@ -102,22 +102,22 @@ def read_vector_storeys(path: Path, m_per_unit: float | None = None) -> list[tup
 
     Where they lie on each other is as in the file. Raises PlanError.
     """
-    found: list[tuple[Plan, str]] = decode(
+    plans: list[tuple[Plan, str]] = decode(
         "vector storeys", path, m_per_unit, where=str(path), error=PlanError
     )
-    return found
+    return plans
 
 
 def _read_storeys(path: Path, m_per_unit: float | None) -> list[tuple[Plan, str]]:
-    found, reasons = [], []
+    drawings, reasons = [], []
     for drawing in read_drawings(path):
         try:
-            found.append((drawing.elevation, assemble(drawing, str(path), m_per_unit), drawing))
+            drawings.append((drawing.elevation, assemble(drawing, str(path), m_per_unit), drawing))
         except PlanError as error:
             reasons.append(error)
-    most = max((_floor_m2(plan) for _, plan, _ in found), default=0.0)
+    most = max((_floor_m2(plan) for _, plan, _ in drawings), default=0.0)
     homes = [
-        row for row in found
+        row for row in drawings
         if _homeliness(row[1])[0] and _floor_m2(row[1]) >= _LEAST_STOREY * most
     ]  # fmt: skip
     if not homes:
@@ -132,8 +132,8 @@ def _read_storeys(path: Path, m_per_unit: float | None) -> list[tuple[Plan, str]
 
 
 def _with_stairs(plan: Plan, shapes: Sequence[StairShape], m_per_unit: float, above: Plan) -> Plan:
-    """The plan with the stairs that can be built to rule; what cannot is told."""
-    stairs, told = [], []
+    """The plan with the stairs that can be built to rule, and a warning for each other stair."""
+    stairs, refused = [], []
     for number, shape in enumerate(shapes, start=1):
         area = affinity.scale(shape.area, m_per_unit, m_per_unit, origin=(0, 0))
         ends = shape.ends and (shape.ends[0] * m_per_unit, shape.ends[1] * m_per_unit)
@@ -144,14 +144,14 @@ def _with_stairs(plan: Plan, shapes: Sequence[StairShape], m_per_unit: float, ab
             stair = placed_stair(scaled, f"stair{number}", wider, above, STOREY_M)
             plan = wider if stair is not None else plan
         if stair is None:
-            told.append(
+            refused.append(
                 f"stair {number} of the file is left out: none to rule joins two rooms there"
             )
         else:
             stairs.append(stair_to_json(stair))
     if not shapes:
         return plan
-    warnings = {WARNINGS: [*_told(plan), *told]} if told else {}
+    warnings = {WARNINGS: [*_warnings_in(plan), *refused]} if refused else {}
     return replace(plan, extra={**plan.extra, **warnings, **({STAIRS: stairs} if stairs else {})})
 
 
@@ -162,7 +162,7 @@ def _homeliness(plan: Plan) -> tuple[int, float]:
     return len(entered), _floor_m2(plan)
 
 
-def _told(plan: Plan) -> list[str]:
+def _warnings_in(plan: Plan) -> list[str]:
     return list(plan.extra.get(WARNINGS, ()))
 
 

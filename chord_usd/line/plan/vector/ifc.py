@@ -25,7 +25,7 @@ _LARGEST_BYTES = 512 * 2**20
 _DEEPEST_AGGREGATE = 50
 """Nothing stops a file from saying that a storey is part of a wall in it."""
 _LEAST_RUN_M = 0.5
-"""Between the middles of the lowest and the highest steps, which tells the direction up."""
+"""Between the middles of the lowest and the highest steps, which shows the direction up."""
 
 _LEAST_DOORWAY_M = (0.5, 1.85)
 """Width and height from which a hole without a leaf is a passage."""
@@ -91,7 +91,7 @@ def _drawing(name: str, elements: list[Any]) -> VectorDrawing:
     walls: list[Polygon] = []
     floor_m = 0.0
     # What fills a hole is as large as the hole, and often drawn to the last screw.
-    drawn = (one for one in elements if not getattr(one, "FillsVoids", ()))
+    drawn = (element for element in elements if not getattr(element, "FillsVoids", ()))
     meshes = {element.id(): _triangles(element) for element in drawn}
     for element in elements:
         triangles = meshes.get(element.id())
@@ -105,19 +105,23 @@ def _drawing(name: str, elements: list[Any]) -> VectorDrawing:
         else:
             walls += parts
     openings = list(_openings(elements, meshes, floor_m))
-    stairs = [stair for one in elements if one.is_a("IfcStair") and (stair := _stair(one, meshes))]
+    stairs = [
+        stair
+        for element in elements
+        if element.is_a("IfcStair") and (stair := _stair(element, meshes))
+    ]
     return VectorDrawing(rooms, walls, openings, stairs=stairs, m_per_unit=1.0, name=name)
 
 
 def _stair(element: Any, meshes: dict[int, FloatArray | None]) -> StairShape | None:
-    """A stair by its own body, or those of its flights and landings."""
+    """A stair by its own body, or by the bodies of its flights and landings."""
     import ifcopenshell.util.element as relations
 
     parts = [meshes.get(element.id())]
     parts += [
-        _triangles(one)
-        for one in relations.get_parts(element)
-        if one.is_a("IfcStairFlight") or one.is_a("IfcSlab")
+        _triangles(part)
+        for part in relations.get_parts(element)
+        if part.is_a("IfcStairFlight") or part.is_a("IfcSlab")
     ]
     bodies = [part for part in parts if part is not None and len(part)]
     shadow = polygons_of(_shadow(np.concatenate(bodies))) if bodies else []

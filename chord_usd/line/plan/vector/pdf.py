@@ -1,7 +1,7 @@
 """PDF pages: drawn as a picture, with the page's own text and its size on paper.
 
-A PDF holds lines without a word on what they mean, so walls are told by their looks, as in any
-picture; text and a stated scale ("1:100") are exact.
+A PDF holds lines without a word on what they mean, so walls are recognised by their looks, as in
+any picture; text and a stated scale ("1:100") are exact.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def _page(page: Any, number: int, count: int, path: Path) -> PdfPage:
         )
     _refuse_endless(page, number, path)
     rgb = page.render(scale=px_per_pt, rev_byteorder=True).to_numpy()[:, :, :3]
-    # Text boxes are told in the page's own frame, which a turned page does not show.
+    # Text boxes are given in the page's own frame, which a turned page does not show.
     texts = tuple(_texts(page, height_pt, px_per_pt)) if page.get_rotation() == 0 else ()
     ratio = stated_ratio(text.text for text in texts)
     paper = M_PER_POINT / px_per_pt

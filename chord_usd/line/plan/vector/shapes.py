@@ -15,7 +15,7 @@ from chord_usd.base.scene.stair_places import StairShape
 from chord_usd.base.scene.types import FloatArray, OpeningKind
 
 MOST_SHAPES = 20_000
-"""Walls, rooms, openings and labels of one file: twenty times those of a large office."""
+"""Walls, rooms, openings and labels of one file: twenty times as many as a large office has."""
 
 FARTHEST = 1e12
 """From the origin, in units of the file: a map's coordinates in millimetres reach 1e10."""
@@ -78,7 +78,7 @@ class VectorDrawing:
     """Of the storey."""
     stairs: Sequence[StairShape] = ()
     elevation: float = 0.0
-    """Of the storey; tells which is above which."""
+    """Of the storey; it orders the storeys."""
     notes: Sequence[str] = ()
     """What a user should know of the reading."""
     paper_m_per_unit: float | None = None

@@ -104,12 +104,12 @@ def read_svg(path: Path) -> list[VectorDrawing]:
     sheet, by_id = StyleSheet(root), {e.get("id", ""): e for e in root.iter()}
     drawings = []
     for top in inner or [root]:
-        found = _Found(str(path), sheet, by_id, root)
-        _visit(top, _matrix_above(root, top), "", found)
-        if found.rooms or found.walls:
+        shapes = _Found(str(path), sheet, by_id, root)
+        _visit(top, _matrix_above(root, top), "", shapes)
+        if shapes.rooms or shapes.walls:
             drawings.append(
                 VectorDrawing(
-                    found.rooms, found.walls, found.openings, found.labels,
+                    shapes.rooms, shapes.walls, shapes.openings, shapes.labels,
                     m_per_unit=paper if is_full_size else None, name=_said(top),
                     paper_m_per_unit=None if is_full_size else paper,
                 )
@@ -127,8 +127,8 @@ def _matrix_above(root: Element, target: Element) -> FloatArray:
         hits = (search(child, below) for child in element)
         return next((hit for hit in hits if hit is not None), None)
 
-    found = search(root, IDENTITY)
-    return IDENTITY if found is None else found
+    above = search(root, IDENTITY)
+    return IDENTITY if above is None else above
 
 
 def _said(element: Element) -> str:
@@ -137,66 +137,66 @@ def _said(element: Element) -> str:
 
 
 def _visit(
-    element: Element, matrix: FloatArray, meaning: str, found: _Found, style: Style | None = None
+    element: Element, matrix: FloatArray, meaning: str, shapes: _Found, style: Style | None = None
 ) -> None:
     """Collect what this element and all in it draw. Matrix: from its own units to the root's."""
     name = local_name(element)
-    style = found.sheet.style(element, style or Style())
+    style = shapes.sheet.style(element, style or Style())
     if not style.is_displayed and meaning != "room":
         return
-    if name in _NOT_DRAWN and element is not found.shown:
+    if name in _NOT_DRAWN and element is not shapes.shown:
         return
     matrix = matrix @ transform(element)
     said = _meaning(element)
-    own = said or meaning
-    if own == "skip":
+    role = said or meaning
+    if role == "skip":
         return
     if name == "text":
-        _add_label(element, matrix, found)
+        _add_label(element, matrix, shapes)
         return
     if name == "use":
-        _visit_used(element, matrix, own, found, style)
+        _visit_used(element, matrix, role, shapes, style)
         return
-    if name == "svg" and element not in (found.top, found.shown):
+    if name == "svg" and element not in (shapes.top, shapes.shown):
         matrix = matrix @ viewport(element)
     if said and name == "g" and _is_thing(element, said):
-        _add_group(element, matrix, said, found)
+        _add_group(element, matrix, said, shapes)
         return
-    if own and style.is_visible:
-        _add_shape(element, matrix, own, found, style)
+    if role and style.is_visible:
+        _add_shape(element, matrix, role, shapes, style)
     for child in element:
-        _visit(child, matrix, own, found, style)
+        _visit(child, matrix, role, shapes, style)
 
 
 def _visit_used(
-    use: Element, matrix: FloatArray, meaning: str, found: _Found, style: Style
+    use: Element, matrix: FloatArray, meaning: str, shapes: _Found, style: Style
 ) -> None:
     """What a use repeats. Raises PlanError where all uses together repeat too much."""
     name = next((use.get(key, "") for key in _HREF if use.get(key)), "")
-    shown = found.by_id.get(name.removeprefix("#")) if name.startswith("#") else None
-    if shown is None or name in found.used:
+    shown = shapes.by_id.get(name.removeprefix("#")) if name.startswith("#") else None
+    if shown is None or name in shapes.used:
         return
-    found.repeated += sum(1 for _ in shown.iter())
-    if found.repeated > _MOST_USED:
+    shapes.repeated += sum(1 for _ in shown.iter())
+    if shapes.repeated > _MOST_USED:
         raise PlanError(
-            f"repeats more than {_MOST_USED:,} elements", where=found.where, expected=_EXPECTED,
+            f"repeats more than {_MOST_USED:,} elements", where=shapes.where, expected=_EXPECTED,
             try_="flatten it, or export it as PNG",
         )  # fmt: skip
-    outer, found.shown = found.shown, shown
-    found.used.append(name)
+    outer, shapes.shown = shapes.shown, shown
+    shapes.used.append(name)
     is_sheet = local_name(shown) in ("symbol", "svg")
-    _visit(shown, matrix @ viewport(use, shown if is_sheet else use), meaning, found, style)
-    found.used.pop()
-    found.shown = outer
+    _visit(shown, matrix @ viewport(use, shown if is_sheet else use), meaning, shapes, style)
+    shapes.used.pop()
+    shapes.shown = outer
 
 
-def _outlines(element: Element, found: _Found) -> Iterator[FloatArray]:
+def _outlines(element: Element, shapes: _Found) -> Iterator[FloatArray]:
     """Counted before they are computed. Raises PlanError where all together are too many."""
-    found.numbers += sum(len(numbers(element.get(key, ""))) for key in ("d", "points"))
-    if found.numbers > _MOST_NUMBERS:
+    shapes.numbers += sum(len(numbers(element.get(key, ""))) for key in ("d", "points"))
+    if shapes.numbers > _MOST_NUMBERS:
         raise PlanError(
             f"draws walls, rooms and openings with more than {_MOST_NUMBERS:,} numbers",
-            where=found.where, expected=_EXPECTED, try_="simplify its paths, or export it as PNG",
+            where=shapes.where, expected=_EXPECTED, try_="simplify its paths, or export it as PNG",
         )  # fmt: skip
     return outlines(element)
 
@@ -212,18 +212,18 @@ def _is_thing(group: Element, meaning: str) -> bool:
     return meaning != "wall" and len(shapes) == 1 and bool(group.get("class") or group.get("id"))
 
 
-def _add_group(group: Element, matrix: FloatArray, meaning: str, found: _Found) -> None:
+def _add_group(group: Element, matrix: FloatArray, meaning: str, shapes: _Found) -> None:
     """A group's first shape is the thing itself; the rest draws leaves and names."""
     shape = next(e for e in group if local_name(e) in ("polygon", "polyline", "rect", "path"))
-    for points in _outlines(shape, found):
-        _add(meaning, _mapped(points, matrix @ transform(shape)), _said(group), found)
+    for points in _outlines(shape, shapes):
+        _add(meaning, _mapped(points, matrix @ transform(shape)), _said(group), shapes)
     for text in (e for e in group.iter() if local_name(e) == "text"):
         # Its place in a nested group is of no weight: it lies in the room it names.
         inner = _matrix_above(group, text)
-        _add_label(text, matrix @ inner @ transform(text), found)
+        _add_label(text, matrix @ inner @ transform(text), shapes)
     for child in group:
         if meaning == "wall" or _meaning(child) in ("door", "window"):
-            _visit(child, matrix, "", found)
+            _visit(child, matrix, "", shapes)
 
 
 def _mapped(points: FloatArray, matrix: FloatArray) -> FloatArray:
@@ -233,16 +233,16 @@ def _mapped(points: FloatArray, matrix: FloatArray) -> FloatArray:
 
 
 def _add_shape(
-    element: Element, matrix: FloatArray, meaning: str, found: _Found, style: Style
+    element: Element, matrix: FloatArray, meaning: str, shapes: _Found, style: Style
 ) -> None:
     """Add what one element draws."""
-    drawn = [_mapped(points, matrix) for points in _outlines(element, found)]
+    drawn = [_mapped(points, matrix) for points in _outlines(element, shapes)]
     if meaning == "wall":
         size = float(np.sqrt(abs(np.linalg.det(matrix[:2, :2]))))
-        found.walls += _walls(drawn, style, size)
+        shapes.walls += _walls(drawn, style, size)
         return
     for points in drawn:
-        _add(meaning, points, _said(element), found)
+        _add(meaning, points, _said(element), shapes)
 
 
 def _walls(drawn: Sequence[FloatArray], style: Style, size: float) -> list[Polygon]:
@@ -257,13 +257,13 @@ def _walls(drawn: Sequence[FloatArray], style: Style, size: float) -> list[Polyg
     return [polygon for area in areas for polygon in polygons_of(area)]
 
 
-def _add(meaning: str, points: FloatArray, said: str, found: _Found) -> None:
+def _add(meaning: str, points: FloatArray, said: str, shapes: _Found) -> None:
     if meaning == "room" and len(points) >= 3:
-        found.rooms.append(RoomShape(Polygon(points), _room_name(said)))
+        shapes.rooms.append(RoomShape(Polygon(points), _room_name(said)))
     elif meaning in ("door", "window", "passage"):
         opening = _opening(meaning, points)
         if opening is not None:
-            found.openings.append(opening)
+            shapes.openings.append(opening)
 
 
 def _room_name(said: str) -> str:
@@ -290,11 +290,11 @@ def _opening(kind: str, points: FloatArray) -> OpeningShape | None:
     return OpeningShape(meanings[kind], middle - half, middle + half, float(lengths[1 - first]))
 
 
-def _add_label(element: Element, matrix: FloatArray, found: _Found) -> None:
+def _add_label(element: Element, matrix: FloatArray, shapes: _Found) -> None:
     said = " ".join(" ".join(_words(element)).split())
     x, y = (float((numbers(element.get(key, "0")) or [0.0])[0]) for key in ("x", "y"))
     if said:
-        found.labels.append(Label(said, _mapped(np.array([[x, y]]), matrix)[0]))
+        shapes.labels.append(Label(said, _mapped(np.array([[x, y]]), matrix)[0]))
 
 
 def _words(element: Element) -> Iterator[str]:
@@ -381,10 +381,10 @@ class StyleSheet:
 
     def _declared(self, element: Element) -> Mapping[str, str]:
         said = {name: element.get(name, "") for name in _PROPERTIES if element.get(name)}
-        own = {f".{name}" for name in element.get("class", "").split()}
-        own |= {f"#{element.get('id')}"}
+        selectors = {f".{name}" for name in element.get("class", "").split()}
+        selectors |= {f"#{element.get('id')}"}
         for rule in self._rules:
-            if rule.tag in ("", local_name(element)) and rule.parts <= own:
+            if rule.tag in ("", local_name(element)) and rule.parts <= selectors:
                 said |= rule.declared
         said |= _declarations(element.get("style", ""))
         return {name: value.strip().lower() for name, value in said.items()}

@@ -113,7 +113,7 @@ def _is_stair(element: Element) -> bool:
 
 
 def _piece(element: Element) -> PieceShape | None:
-    """A piece that stands on the floor; None for stairs, and for what no name tells."""
+    """A piece that stands on the floor; None for stairs and unknown names."""
     name = piece_named(element.get("name", "")) or piece_named(element.get("catalogId", ""))
     if _is_stair(element) or name is None or _number(element, "elevation") > _SILL_CM:
         return None
