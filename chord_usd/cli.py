@@ -63,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _answer(words, is_guest=True) if arguments is not None else _by_worker_or_here(words)
     except KeyboardInterrupt as caught:
         reason = interrupts.came() or interrupts.Interrupted
-        sys.stderr.write(interrupts.told(reason, str(caught)))
+        sys.stderr.write(interrupts.message(reason, str(caught)))
         return reason.code
     except BrokenPipeError:
         # Whoever read stdout has seen enough; keep the interpreter from flushing into the pipe.
@@ -71,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return DONE
     except Exception as error:
         if hidden := interrupts.came():  # some libraries make errors of their own of it
-            sys.stderr.write(interrupts.told(hidden))
+            sys.stderr.write(interrupts.message(hidden))
             return hidden.code
         if "--debug" in words:
             traceback.print_exc()

@@ -203,7 +203,7 @@ def test_what_the_painter_tears_is_put_back() -> None:
         for item in house.items
         if item.category != "sink_cabinet"
     ]
-    torn = [item.found(unit=None, source_px=((0.0, 0.0),) * 4) for item in torn]
+    torn = [item.with_facts(unit=None, source_px=((0.0, 0.0),) * 4) for item in torn]
     back = put_back(replace(house, items=tuple(torn)), kitchens)
     assert [item.box for item in back.items] == [item.box for item in house.items]
     assert all(item.category in KITCHEN_UNITS for item in back.items)

@@ -35,7 +35,7 @@ def _home(kind: RoomKind, size: tuple[float, float], *pieces: Item) -> SceneGrap
 
 
 def _piece(name: str, box: Box, *, given: bool = False) -> Item:
-    return Item(f"r/{name}_0", name, box, "r").found(locked=given)
+    return Item(f"r/{name}_0", name, box, "r").with_facts(locked=given)
 
 
 SOFA = _piece("sofa", Box((2.5, 3.5, 0.0), (2.0, 0.9, 0.8), 0.0), given=True)
@@ -70,7 +70,7 @@ def test_a_bed_replaces_what_leaves_it_no_place() -> None:
     home = _home("bedroom", (3.0, 3.0), *rest)
     (view,) = view_home(home).rooms
     assert improved(view, lambda _: 0.0, [bed_instead]).of("bed")
-    given = [item.found(locked=True) for item in rest]
+    given = [item.with_facts(locked=True) for item in rest]
     (view,) = view_home(_home("bedroom", (3.0, 3.0), *given)).rooms
     assert {*given} <= {*improved(view, lambda _: 0.0, [bed_instead]).items}
 
@@ -104,7 +104,7 @@ def test_a_studio_sleeps_in_its_living_room() -> None:
 def test_a_chair_at_no_table_goes_and_others_stay() -> None:
     stray = _piece("chair", Box((1.0, 3.0, 0.0), (0.45, 0.5, 0.9), 20.0))
     seat = replace(stray, id="r/chair_1", box=Box((3.0, 1.95, 0.0), (0.45, 0.5, 0.9), 180.0))
-    given = replace(stray, id="r/chair_2").found(locked=True)
+    given = replace(stray, id="r/chair_2").with_facts(locked=True)
     (view,) = view_home(_home("living", (5.0, 4.0), TABLE, stray, seat, given)).rooms
     assert {*without_strays(view)} == {(TABLE, seat, given)}
 

@@ -412,7 +412,7 @@ def test_unsure_drawn_furniture_that_hinders_is_left_out(
     room = sound_house.plan.room(bed.room_id)
     own = tuple(sound_house.items_of(room.id))
     lists = Lists(*pieces_of(own, frame_of(room)))
-    seen = replace(bed, id="drawn", category=category, score=score).found(locked=True)
+    seen = replace(bed, id="drawn", category=category, score=score).with_facts(locked=True)
     draw = Draw(7, lists=lists, locked=(seen,))  # type: ignore[arg-type]
     listed = draw.listed(sound_house, [room])
     assert listed is not None

@@ -157,7 +157,7 @@ def test_any_words_are_understood_as_something_or_refused(
     except ChordError:
         return
     assert understood.intents
-    assert all(intent.told and intent.room for intent in understood.intents)
+    assert all(intent.wording and intent.room for intent in understood.intents)
 
 
 def test_a_locked_piece_stays(house: SceneGraph, rooms: dict[str, Room]) -> None:

@@ -107,7 +107,7 @@ def test_a_shower_comes_rather_than_a_washing_machine() -> None:
 
 def test_a_piece_that_somebody_placed_stays() -> None:
     crowded = view_of("bathroom", (2.2, 2.8), "toilet", "washbasin", "bathtub")
-    tub = crowded.items[2].found(locked=True)
+    tub = crowded.items[2].with_facts(locked=True)
     made = planned(View(crowded.shell, (*crowded.items[:2], tub)))
     assert tub in made.items
     assert not {rule for rule in broken(made) if "comfortably" not in rule}

@@ -360,4 +360,4 @@ class ClearFloors:
             return item
         length, width, height = item.box.size_m
         box = replace(item.box, size_m=(length, width, min(height, lowest)))
-        return replace(item, box=box).found(below_sill_m=lowest)
+        return replace(item, box=box).with_facts(below_sill_m=lowest)

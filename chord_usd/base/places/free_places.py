@@ -65,7 +65,7 @@ class FreePlaces:
         touch_m2: float,
     ) -> None:
         """box: the piece as it stands; what it stands on of others is no worse for its moving on.
-        None for one that is placed anew.
+        None for a new piece.
 
         floor: of its room; None where it may stand anywhere. touch_m2: shapes that share no more
         than this only touch.
@@ -89,12 +89,12 @@ def free_places(
     items: Iterable[Item],
     clear: Iterable[ClearFloor],
     *,
-    anew: bool = False,
+    is_new: bool = False,
 ) -> FreePlaces:
     """Places in an item's room where it is in no other item and before no opening.
 
-    floor: of its room, None where it is in none. items: all of the house; those that overlap it by
-    nature are not in its way. It comes no farther before openings that it stands before; anew: it
+    floor: of its room, None where it is in none. items: all of the house; items that overlap it by
+    nature do not count. It comes no farther before openings that it stands before; is_new: it
     comes before none.
     """
     others = [
@@ -103,7 +103,7 @@ def free_places(
         if other.id != item.id and not overlaps_by_nature(item, other)
     ]
     kept_free = [ground for opening, ground in clear if is_high_enough(item, opening)]
-    here = None if anew else item.box
+    here = None if is_new else item.box
     return FreePlaces(here, floor, [*others, *kept_free], touch_m2=MIN_OVERLAP_M2)
 
 
@@ -249,7 +249,7 @@ class Walkways:
         if any(before.intersects(place) and not after.intersects(place) for place in near):
             return False
         left = _parts(after)
-        return all(sum(part.intersects(one) for one in left) < 2 for part in _parts(before))
+        return all(sum(part.intersects(remnant) for remnant in left) < 2 for part in _parts(before))
 
     def take(self, box: Box) -> None:
         """Nobody walks there any more."""

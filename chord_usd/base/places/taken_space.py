@@ -112,8 +112,8 @@ def _is_upright(box: Box) -> bool:
 
 def _overlap(a: FloatArray, b: FloatArray) -> bool:
     """Whether two rectangles, (4, 2), share more than a touch: no side of either parts them."""
-    for own in (a, b):
-        for axis in (own[1] - own[0], own[2] - own[1]):
+    for rect in (a, b):
+        for axis in (rect[1] - rect[0], rect[2] - rect[1]):
             length = float(np.hypot(*axis))
             if length <= 0.0:
                 continue

@@ -157,8 +157,8 @@ class WallFace(WallFrame):
         corners, bounds = taken.corners_m, taken.bounds_m
         meets = (bounds[:, 2] < top_m - BEHIND_M) & (bounds[:, 5] > base_m + BEHIND_M)
         kept = [i for i in np.flatnonzero(meets) if taken.reasons[i] not in ignoring]
-        own = self.local(corners[kept])
-        low, high = own.min(axis=1), own.max(axis=1)
+        local = self.local(corners[kept])
+        low, high = local.min(axis=1), local.max(axis=1)
         near = (low[:, 1] < from_v_m + depth_m - BEHIND_M) & (high[:, 1] > from_v_m + BEHIND_M)
         blocked = zip(low[near, 0].tolist(), high[near, 0].tolist(), strict=True)
         return list(gaps(blocked, self.length_m))
@@ -167,12 +167,12 @@ class WallFace(WallFrame):
 def faces_of(room: Room, openings: Sequence[Opening], floors: Floors) -> tuple[WallFace, ...]:
     """The walls of a room, counter-clockwise as its sides are; slivers are left out.
 
-    floors: those of all rooms.
+    floors: of all rooms.
     """
-    own = floors.polygons[floors.index_of[room.id]]
+    floor = floors.polygons[floors.index_of[room.id]]
     beside = [
         floors.polygons[index]
-        for index in floors.near(own.buffer(2 * WALL_THICKNESS_M))
+        for index in floors.near(floor.buffer(2 * WALL_THICKNESS_M))
         if floors.rooms[index].id != room.id
     ]
     return tuple(
@@ -202,7 +202,7 @@ def _face(
                 gaps.append((float(u.min()), float(u.max())))
     is_outer = not any(shapely.area(shapely.intersection(behind, other)) > 0.01 for other in beside)
     face = WallFace(end, along, inward, length, is_outer, tuple(gaps))
-    holes = tuple(hole for one in openings if (hole := _hole(face, one)) is not None)
+    holes = tuple(hole for opening in openings if (hole := _hole(face, opening)) is not None)
     return replace(face, holes=holes)
 
 

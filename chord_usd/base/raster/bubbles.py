@@ -20,7 +20,7 @@ from chord_usd.base.scene.types import ByteArray, Plan, PlanImage, Room, RoomKin
 from chord_usd.base.scene.units import px_from_m
 
 LEAST_RADIUS_M = 0.25
-"""Smaller discs could not be told from dirt."""
+"""Smaller discs would look like dirt."""
 
 _RADIUS_SHARE = 0.35
 """Of the root of a room's area."""
@@ -65,20 +65,20 @@ def stretched(
     x_m, y_m = origin_m
     return tuple(
         Bubble(
-            one.kind,
-            x_m + (one.x_m - x_m) * factor,
-            y_m + (one.y_m - y_m) * factor,
-            one.radius_m * factor,
+            bubble.kind,
+            x_m + (bubble.x_m - x_m) * factor,
+            y_m + (bubble.y_m - y_m) * factor,
+            bubble.radius_m * factor,
         )
-        for one in bubbles
+        for bubble in bubbles
     )
 
 
 def touching_pairs(bubbles: Sequence[Bubble]) -> int:
     """How many pairs touch or overlap, as rooms of a house never do."""
     return sum(
-        bool(np.hypot(one.x_m - two.x_m, one.y_m - two.y_m) <= one.radius_m + two.radius_m)
-        for index, one in enumerate(bubbles)
+        bool(np.hypot(bubble.x_m - two.x_m, bubble.y_m - two.y_m) <= bubble.radius_m + two.radius_m)
+        for index, bubble in enumerate(bubbles)
         for two in bubbles[:index]
     )
 
@@ -88,7 +88,7 @@ def with_bubbles(sheet: PlanImage, bubbles: Sequence[Bubble]) -> PlanImage:
     rgb: ByteArray = sheet.rgb.copy()
     drawn = (rgb != BACKGROUND_RGB[0]).any(axis=2)
     unit = 1 << _SUBPIXEL_BITS
-    for bubble in sorted(bubbles, key=lambda one: -one.radius_m):
+    for bubble in sorted(bubbles, key=lambda disc: -disc.radius_m):
         centre = px_from_m(np.array([[bubble.x_m, bubble.y_m]]), sheet.frame)[0]
         # A pixel's middle lies half a pixel from its edge.
         column, row = (round(float(value - 0.5) * unit) for value in centre)

@@ -66,10 +66,10 @@ class SkyPicture:
 
 def wheel_picture(stem: str) -> Path | None:
     """An HDRI of Blender's wheel (CC0, see license.txt beside it), found without importing it."""
-    found = find_spec("bpy")
-    if found is None or not found.submodule_search_locations:
+    spec = find_spec("bpy")
+    if spec is None or not spec.submodule_search_locations:
         return None
-    folder = Path(found.submodule_search_locations[0])
+    folder = Path(spec.submodule_search_locations[0])
     pictures = sorted(folder.glob(f"*/datafiles/studiolights/world/{stem}.exr"))
     return pictures[-1] if pictures else None
 
@@ -93,8 +93,8 @@ def developed(sky: Sky) -> SkyPicture | None:
     if sky.file is not None:
         require_picture(sky)
         return _decoded(sky, file)
-    told = file.stat()
-    key = hashlib.sha256(repr((_VERSION, sky, told.st_size)).encode()).hexdigest()[:16]
+    stat = file.stat()
+    key = hashlib.sha256(repr((_VERSION, sky, stat.st_size)).encode()).hexdigest()[:16]
     return _kept(sky, file, key)
 
 

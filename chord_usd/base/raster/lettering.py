@@ -136,8 +136,8 @@ def _font(file: str, size_px: int) -> Font:
 @lru_cache(1)
 def _folder() -> Path | None:
     """Blender's fonts. Its module need not be imported for them."""
-    found = importlib.util.find_spec("bpy")
-    places = found.submodule_search_locations if found else None
+    spec = importlib.util.find_spec("bpy")
+    places = spec.submodule_search_locations if spec else None
     return next((p for place in places or () for p in Path(place).glob("*/datafiles/fonts")), None)
 
 

@@ -106,12 +106,12 @@ def is_floor(labels: ByteArray) -> BoolArray:
 
 def _open_borders(labels: ByteArray) -> BoolArray:
     """(H, W) pixels of a room beside one of another kind of room."""
-    floor, found = is_floor(labels), np.zeros(labels.shape, bool)
+    floor, borders = is_floor(labels), np.zeros(labels.shape, bool)
     for first, second in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
         differs = (labels[first] != labels[second]) & floor[first] & floor[second]
-        found[first] |= differs
-        found[second] |= differs
-    return found
+        borders[first] |= differs
+        borders[second] |= differs
+    return borders
 
 
 def house_mask(labels: ByteArray) -> BoolArray:

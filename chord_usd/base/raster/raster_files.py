@@ -160,7 +160,7 @@ def _number(data: dict[str, Any], key: str) -> float:
 def _provenance(data: object) -> Provenance:
     usual = asdict(Provenance())
     if not isinstance(data, dict) or not set(data) <= set(usual):
-        raise SceneError("provenance is not one of ours")
+        raise SceneError("provenance has keys that are not known")
     for key, value in data.items():
         if not isinstance(value, type(usual[key])):
             raise SceneError(f"provenance: {key} is of the wrong kind")

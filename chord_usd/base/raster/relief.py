@@ -32,7 +32,7 @@ class Relief:
     size_m: tuple[float, float, float]
     """Length, width and height of the piece."""
     felt_m: FloatArray | None = None
-    """The same for what the piece collides with; None where all that is seen is felt."""
+    """The same for the piece's colliders; None where all that is seen collides."""
 
     @cached_property
     def level_m(self) -> float:
@@ -48,7 +48,7 @@ class Relief:
     def free(self) -> BoolArray:
         """(rows, columns) cells of the top itself, without what rises from it.
 
-        What is seen there, but not felt, carries nothing in a simulator: the rim of a round top.
+        Visible parts without a collider carry nothing in a simulator: the rim of a round top.
         """
         free = np.abs(self.heights_m - self.level_m) <= LEVEL_M
         if self.felt_m is not None:

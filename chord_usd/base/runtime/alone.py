@@ -1,4 +1,4 @@
-"""One change of a file at a time: who comes second is told so, and nothing is lost."""
+"""One change of a file at a time: the second process gets an error, and nothing is lost."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from chord_usd.base.errors import OutputError
 
 @contextmanager
 def alone_with(path: Path) -> Iterator[None]:
-    """Hold a file for as long as it is read, changed and put in place anew.
+    """Hold a file for as long as it is read, changed and replaced.
 
     Raises OutputError where another process holds it. A file system without locks holds nothing.
     """

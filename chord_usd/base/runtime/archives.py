@@ -70,7 +70,7 @@ class Archive:
         except BaseException:
             self._file.close()
             raise
-        self._entries = {_key(one.filename): one for one in self._zip.infolist()}
+        self._entries = {_key(entry.filename): entry for entry in self._zip.infolist()}
 
     def __enter__(self) -> Archive:
         return self
@@ -139,10 +139,10 @@ class Archive:
         fields = _LOCAL_HEADER.unpack(header)
         sizes, name_length, extra_length = fields[7:9], fields[9], fields[10]
         name = self._file.read(name_length).decode("utf-8", "replace")
-        told = (entry.compress_size, entry.file_size)
-        if fields[0] != b"PK\x03\x04" or name != entry.orig_filename or sizes != told:
+        listed = (entry.compress_size, entry.file_size)
+        if fields[0] != b"PK\x03\x04" or name != entry.orig_filename or sizes != listed:
             raise self._refused(f"{entry.filename!r} does not lie where its directory says")
-        return entry.header_offset + len(header) + name_length + extra_length + told[0]
+        return entry.header_offset + len(header) + name_length + extra_length + listed[0]
 
     def _entry(self, name: str) -> zipfile.ZipInfo:
         entry = self._entries.get(_key(name))
@@ -156,7 +156,7 @@ class Archive:
         done = 0
         with self._reading(), self._zip.open(entry) as file:
             while True:
-                # One byte more than is allowed tells a lie in the header.
+                # One byte more than is allowed shows a lie in the header.
                 chunk = file.read(min(_CHUNK_BYTES, most - done + 1))
                 if not chunk:
                     break
@@ -246,7 +246,7 @@ class Archive:
     def _refuse_overlaps(self, archive: zipfile.ZipFile) -> None:
         """Entries that share their bytes: a bomb that no ratio of one entry shows."""
         end = 0
-        for entry in sorted(archive.infolist(), key=lambda one: one.header_offset):
+        for entry in sorted(archive.infolist(), key=lambda info: info.header_offset):
             if entry.header_offset < end:
                 raise self._refused(f"{entry.filename!r} shares its bytes with another file")
             end = entry.header_offset + _LOCAL_HEADER.size + entry.compress_size

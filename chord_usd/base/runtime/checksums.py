@@ -68,12 +68,12 @@ def _read_sums(path: Path) -> dict[str, str]:
         lines = path.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeDecodeError):
         lines = [""]
-    found = [_LINE.fullmatch(line) for line in lines]
-    if not all(found):
+    matches = [_LINE.fullmatch(line) for line in lines]
+    if not all(matches):
         raise CheckpointError(
             "the hashes are damaged",
             where=str(path),
             expected="lines such as sha256sum writes",
             try_="copy the checkpoint again",
         )
-    return {match[2]: match[1] for match in found if match}
+    return {match[2]: match[1] for match in matches if match}

@@ -99,10 +99,10 @@ def confined(
     if code != 0 or not answer:
         _refuse_dead(code, limits, where, error)
     try:
-        kind, value, told = unpacked(answer)
+        kind, value, trace = unpacked(answer)
     except Exception as problem:  # whatever a damaged process may have sent
         raise error("cannot be read (its reader's answer is damaged)", where=where) from problem
-    cause = ConfinedTraceback(told)
+    cause = ConfinedTraceback(trace)
     if kind == "result":
         result: Result = value
         return result
@@ -129,7 +129,7 @@ def _run(
     ) as process:
         try:
             if meanwhile and process.stdin and len(payload) <= _PIPE_BYTES:
-                with suppress(BrokenPipeError):  # told by the exit code
+                with suppress(BrokenPipeError):  # the exit code reports it
                     process.stdin.write(payload)
                     process.stdin.flush()
                 payload = b""
@@ -230,12 +230,12 @@ def _outcome(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[
     except ChordError as error:
         return "raised", error, traceback.format_exc()
     except Exception as error:
-        told = traceback.format_exc()
+        trace = traceback.format_exc()
         if "bad_alloc" in str(error):  # as libraries in C++ say it
-            return "memory", None, told
+            return "memory", None, trace
         if isinstance(error, OSError) and error.filename and error.errno:
-            return "system", (error.errno, error.strerror, str(error.filename)), told
-        return "broken", f"{type(error).__name__}: {error}"[:300], told
+            return "system", (error.errno, error.strerror, str(error.filename)), trace
+        return "broken", f"{type(error).__name__}: {error}"[:300], trace
 
 
 def _die_with(parent_pid: int) -> None:

@@ -13,19 +13,19 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from typing import TextIO
 
-_own: TextIO | None = None
+_err: TextIO | None = None
 """Our way to standard error while libraries have none."""
-_own_out: TextIO | None = None
+_out: TextIO | None = None
 
 
 def stderr() -> TextIO:
-    """Where a user is told something; inside reserved() and outside."""
-    return _own or sys.stderr
+    """The stream for messages to a user; inside reserved() and outside."""
+    return _err or sys.stderr
 
 
 def stdout() -> TextIO:
     """Our way to standard output, for a verb that talks to a program through it while it runs."""
-    return _own_out or sys.stdout
+    return _out or sys.stdout
 
 
 @contextmanager
@@ -34,21 +34,21 @@ def reserved(*, debug: bool = False) -> Iterator[None]:
 
     With debug what libraries print, on either stream, goes to standard error.
     """
-    global _own, _own_out
-    before, out, err = (_own, _own_out), sys.stdout, sys.stderr
+    global _err, _out
+    before, out, err = (_err, _out), sys.stdout, sys.stderr
     with ExitStack() as stack:
         if debug:
-            _own_out = _redirect(stack, out, err) or out
+            _out = _redirect(stack, out, err) or out
             sys.stdout = err
         else:
-            _own = _redirect(stack, err, _nowhere()) or err
-            _own_out = _redirect(stack, out, _nowhere()) or out
+            _err = _redirect(stack, err, _nowhere()) or err
+            _out = _redirect(stack, out, _nowhere()) or out
             sys.stdout = sys.stderr = _nowhere()
         try:
             yield
         finally:
             sys.stdout, sys.stderr = out, err
-            _own, _own_out = before
+            _err, _out = before
 
 
 def _redirect(stack: ExitStack, stream: TextIO, target: TextIO) -> TextIO | None:

@@ -60,7 +60,7 @@ def needed_for(what: str, or_try: str = "") -> Iterator[None]:
 
 
 def missing_extra(error: ImportError, what: str, or_try: str = "") -> MissingExtraError | None:
-    """What to tell of a failed import; None where no extra brings the package."""
+    """The error for a failed import; None where no extra brings the package."""
     package = (error.name or "").partition(".")[0]
     extra = EXTRAS.get(package)
     if extra is None:
@@ -74,8 +74,8 @@ def missing_extra(error: ImportError, what: str, or_try: str = "") -> MissingExt
 
 def three_module() -> Path:
     """The file with three.js. Raises MissingExtraError."""
-    found = find_spec("nicegui")
-    places = found.submodule_search_locations if found else None
+    spec = find_spec("nicegui")
+    places = spec.submodule_search_locations if spec else None
     file = Path(places[0], _THREE) if places else None
     if file is None or not file.is_file():
         raise MissingExtraError(

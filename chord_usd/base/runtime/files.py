@@ -91,12 +91,12 @@ def folder_for_many(folder: Path) -> Iterator[None]:
     It is made where it is not there; where nothing came into it, it is gone again after the block.
     Raises OutputError.
     """
-    missing = [one for one in (absolute(folder), *absolute(folder).parents) if not one.exists()]
+    missing = [path for path in (absolute(folder), *absolute(folder).parents) if not path.exists()]
 
     def unmake() -> None:
         with contextlib.suppress(OSError):  # rmdir removes no folder that holds anything
-            for one in missing:
-                one.rmdir()
+            for path in missing:
+                path.rmdir()
 
     interrupts.on_hard_end.append(unmake)
     try:
@@ -155,13 +155,13 @@ class Delivery:
     def place(
         self, target: Path, *, asked: bool = True, ours: Callable[[Path], bool] | None = None
     ) -> Path:
-        """Where to write what shall appear at target.
+        """The path to write, for a file that is to appear at target.
 
         The path returned has the target's name; whatever else is written beside it (the folders
         of a stage) appears beside the target. asked: whether the user named this very file; it is
         replaced then, whoever wrote it. Otherwise it is one of many that a long job writes into a
-        folder, again and again: those that were changed since are set aside. ours: tells of a file
-        that is in no manifest, since it came from another machine, whether it is such a one.
+        folder, again and again: files that were changed since are set aside. ours: whether a file
+        that is in no manifest is such a file all the same, since it came from another machine.
         Raises OutputError.
         """
         target = absolute(target)
@@ -173,7 +173,7 @@ class Delivery:
         return parcel.new / target.name
 
     def place_folder(self, target: Path, mode: FolderMode = "new") -> Path:
-        """An empty folder to fill, whose content shall appear in the folder target.
+        """An empty folder to fill, whose content is to appear in the folder target.
 
         Raises OutputError for a target that is no folder, or holds what may not be replaced.
         """
@@ -219,7 +219,7 @@ class Delivery:
         return self._parcels[-1]
 
     def _make_parents(self, folder: Path) -> None:
-        missing = takewhile(lambda one: not one.exists(), (folder, *folder.parents))
+        missing = takewhile(lambda parent: not parent.exists(), (folder, *folder.parents))
         for parent in reversed(list(missing)):
             parent.mkdir(exist_ok=True)
             self._made_folders.append(parent)
@@ -281,7 +281,7 @@ class Delivery:
         self._undo.append((stale, kept))
         stale.rename(kept)
         with contextlib.suppress(OSError):
-            for folder in takewhile(lambda one: one != parcel.home, stale.parents):
+            for folder in takewhile(lambda parent: parent != parcel.home, stale.parents):
                 folder.rmdir()
 
     def withdraw(self) -> None:
@@ -366,7 +366,7 @@ class _Parcel:
             return [(self, self.new / self.target.name, self.target)]
         if self.replaces:
             self._delivered = {self.home / f.relative_to(self.new) for f in _files_in(self.new)}
-        pairs = [(self, one, self.home / one.name) for one in self.new.iterdir()]
+        pairs = [(self, path, self.home / path.name) for path in self.new.iterdir()]
         return sorted(
             (move for move in pairs if move[2] != self._manifest.path),
             key=lambda move: (move[2] == self.target, move[2]),
@@ -386,7 +386,7 @@ class _Parcel:
         return True
 
     def is_to_be_set_aside(self, target: Path) -> bool:
-        """Whether target was ours and was changed, and a copy of it shall stay."""
+        """Whether target was ours and was changed, and a copy of it is to stay."""
         return self.sets_aside and self._manifest.lists(target) and not self._manifest.owns(target)
 
     def keep(self) -> Path:
@@ -408,10 +408,10 @@ class _Parcel:
 
 
 def _files_in(folder: Path) -> list[Path]:
-    """All files, but for the folder's own manifest: who takes the files notes them anew."""
-    own = folder / MANIFEST_FILE
+    """All files, but for the folder's own manifest: the mover of the files lists them again."""
+    manifest = folder / MANIFEST_FILE
     there = (Path(at, name) for at, _, names in os.walk(folder) for name in names)
-    return sorted(path for path in there if path.is_file() and path != own)
+    return sorted(path for path in there if path.is_file() and path != manifest)
 
 
 def _sync(path: Path) -> None:

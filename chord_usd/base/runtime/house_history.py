@@ -71,7 +71,7 @@ class Change:
     """SHA-256 of each file, by its POSIX path in the folder of the house."""
 
     @property
-    def told(self) -> str:
+    def summary(self) -> str:
         """In one line."""
         return f"{self.verb} {self.words}".strip()
 
@@ -88,7 +88,7 @@ class History:
 
     def change(self, number: int | None) -> Change | None:
         """The change of a number."""
-        return next((one for one in self.changes if one.number == number), None)
+        return next((change for change in self.changes if change.number == number), None)
 
     @property
     def now(self) -> Change | None:
@@ -98,7 +98,7 @@ class History:
     @property
     def undone(self) -> Change | None:
         """What redo would do again."""
-        after = [one.number for one in self.changes if one.parent == self.number]
+        after = [change.number for change in self.changes if change.parent == self.number]
         return self.change(max(after, key=self._visit, default=None))
 
     @property
@@ -111,25 +111,26 @@ class History:
 
     def at(self, number: int) -> History:
         """The same, standing at another change."""
-        visited = (*(one for one in self.visited if one != number), number)
+        visited = (*(earlier for earlier in self.visited if earlier != number), number)
         return replace(self, number=number, visited=visited)
 
     def with_now(self, change: Change) -> History:
         """The same with another change in place of the one that it stands at."""
-        changes = (change if one.number == self.number else one for one in self.changes)
+        changes = (change if old.number == self.number else old for old in self.changes)
         return replace(self, changes=tuple(changes))
 
     def grown(self, deed: Deed, files: Mapping[str, str]) -> History:
         """The same with one more change; the earliest goes where there are too many."""
-        latest = max((one.number for one in self.changes), default=0)
+        latest = max((change.number for change in self.changes), default=0)
         parent = self.number if self.now else None
         made = Change(latest + 1, parent, _now(), deed.verb, deed.words, files)
-        stays = [one for one in self.changes if one.number != self.number][-MOST_CHANGES + 2 :]
-        kept = {one.number for one in stays} | {self.number}
+        others = [change for change in self.changes if change.number != self.number]
+        stays = others[-MOST_CHANGES + 2 :]
+        kept = {change.number for change in stays} | {self.number}
         changes = tuple(
-            replace(one, parent=one.parent if one.parent in kept else None)
-            for one in self.changes
-            if one.number in kept
+            replace(change, parent=change.parent if change.parent in kept else None)
+            for change in self.changes
+            if change.number in kept
         )
         return replace(self, changes=(*changes, made)).at(made.number)
 
@@ -180,7 +181,7 @@ def read_history(house: Path) -> History:
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise _unreadable(index, "was written by another version of chord-usd")
     try:
-        changes = tuple(Change(**one) for one in data["changes"])
+        changes = tuple(Change(**row) for row in data["changes"])
         _require_own(house, changes)
         return History(changes, int(data["number"]), tuple(data["visited"]))
     except (AttributeError, KeyError, TypeError, ValueError) as error:
@@ -226,7 +227,7 @@ def go_to(house: Path, number: int) -> Change:
         history = _begin(house)
         change = history.change(number)
         if change is None:
-            numbers = ", ".join(str(one.number) for one in history.changes)
+            numbers = ", ".join(str(change.number) for change in history.changes)
             raise StageError(
                 f"has no change {number}", where=str(house), expected=f"one of {numbers}"
             )
@@ -327,27 +328,27 @@ def _own_files(house: Path) -> Iterator[Path]:
     yield house.with_name(f"{house.stem}_attribution.txt")
     architecture = house.with_name(f"{house.stem}_architecture")
     if architecture.is_dir() and not architecture.is_symlink():
-        yield from (one for one in sorted(architecture.rglob("*")) if one.name != MANIFEST_FILE)
+        yield from (path for path in sorted(architecture.rglob("*")) if path.name != MANIFEST_FILE)
 
 
 def _require_own(house: Path, changes: Iterable[Change]) -> None:
     """Raises ValueError for a history, perhaps a stranger's, that would write to other files."""
     stem = re.escape(house.stem)
-    own = re.compile(
+    name_pattern = re.compile(
         rf"{stem}({re.escape(EDITS)})?{re.escape(house.suffix)}|{stem}_attribution\.txt"
         rf"|{stem}_architecture(/(?!\.\.?/)[^/\0]+)+"
     )
-    for one in changes:
-        for name, digest in one.files.items():
-            if not own.fullmatch(name) or not re.fullmatch("[0-9a-f]{64}", digest):
+    for change in changes:
+        for name, digest in change.files.items():
+            if not name_pattern.fullmatch(name) or not re.fullmatch("[0-9a-f]{64}", digest):
                 raise ValueError(name)
 
 
 def _state_of(house: Path) -> dict[str, str]:
     return {
-        one.relative_to(house.parent).as_posix(): hash_file(one)
-        for one in _own_files(house)
-        if one.is_file() and not one.is_symlink()
+        path.relative_to(house.parent).as_posix(): hash_file(path)
+        for path in _own_files(house)
+        if path.is_file() and not path.is_symlink()
     }
 
 
@@ -418,7 +419,7 @@ def _folder(house: Path) -> Path:
 def _write(house: Path, history: History) -> None:
     data: dict[str, Any] = {"format": FORMAT, **asdict(history)}
     _write_whole(_folder(house) / _INDEX, json.dumps(data, indent=1).encode())
-    kept = {digest for one in history.changes for digest in one.files.values()}
+    kept = {digest for change in history.changes for digest in change.files.values()}
     for file in _object(house, "").iterdir():
         if file.stem not in kept:
             file.unlink(missing_ok=True)

@@ -40,24 +40,24 @@ def refuse_odd_file(
     where = str(path)
     require_open(path, error)
     try:
-        found = path.stat()
+        status = path.stat()
     except (FileNotFoundError, NotADirectoryError) as problem:
         raise error(
             "cannot be read (no such file)", where=where, try_="check the path"
         ) from problem
     except OSError as problem:
         raise error(f"cannot be read ({reason_of(problem)})", where=where) from problem
-    if stat.S_ISDIR(found.st_mode):
+    if stat.S_ISDIR(status.st_mode):
         raise error("is a folder", where=where, expected="a file")
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise error(
-            f"is {_kind(found.st_mode)}",
+            f"is {_kind(status.st_mode)}",
             where=where,
             expected="a regular file",
             try_="save it to a file first",
         )
     most = most_bytes or LARGEST_BYTES.get(path.suffix.lower(), _LARGEST_OTHER_BYTES)
-    if found.st_size > most:
+    if status.st_size > most:
         raise error(
             f"is larger than {most // _MIB} MiB",
             where=where,

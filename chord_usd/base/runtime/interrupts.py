@@ -25,7 +25,7 @@ _DEAF_S = 5.0
 """A signal that no thread of Python took up for so long is one that none can."""
 
 delivered: list[Path] = []
-"""What this process has written so far, for the words that tell of an interrupt."""
+"""Files that this process has written so far, for the message of an interrupt."""
 
 on_hard_end: list[Callable[[], None]] = []
 """What is still to be cleaned up when the process must end in the middle of a library's call."""
@@ -49,7 +49,7 @@ class Terminated(Interrupted):
     word = "terminated"
 
 
-def told(reason: type[Interrupted], said: str = "") -> str:
+def message(reason: type[Interrupted], said: str = "") -> str:
     """The line that says what an interrupt left behind."""
     if said:
         left = said
@@ -63,8 +63,8 @@ def told(reason: type[Interrupted], said: str = "") -> str:
 def obey() -> None:
     """From now on SIGINT and SIGTERM raise Interrupted and Terminated in the main thread.
 
-    Where a library keeps the main thread for too long, a thread of ours ends the process in its
-    place. Who started us with Ctrl-C ignored (nohup, a script's background) keeps it ignored.
+    Where a library keeps the main thread for too long, a second thread ends the process in its
+    place. A process that starts with Ctrl-C ignored (nohup, a script's background) keeps it so.
     """
     signal.signal(signal.SIGTERM, _raise)
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
@@ -87,7 +87,7 @@ def watch() -> None:
 
 
 def ignore() -> None:
-    """All is done and told: what remains is to leave."""
+    """Ignores signals from now on: all is done and reported, and the process ends."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
 
@@ -142,7 +142,7 @@ def _wait_and_end(ours: socket.socket, kernels: socket.socket) -> None:
                 continue
             time.sleep(STUBBORN_S)
             with _holding:
-                if signal.getsignal(number) is _raise:  # and neither done nor told to ignore it
+                if signal.getsignal(number) is _raise:  # and neither done nor set to ignore it
                     _end_hard(Terminated if number == signal.SIGTERM else Interrupted)
 
 
@@ -176,15 +176,15 @@ def _end_hard(reason: type[Interrupted]) -> NoReturn:
         with contextlib.suppress(OSError):
             os.kill(child, signal.SIGKILL)
     with contextlib.suppress(Exception):
-        console.stderr().write(told(reason))
+        console.stderr().write(message(reason))
         console.stderr().flush()
     os._exit(reason.code)
 
 
 def _children(pid: int) -> list[int]:
-    """Processes that another started, where the system tells."""
-    found: list[int] = []
+    """Processes that another started, where the system lists them."""
+    pids: list[int] = []
     for task in Path(f"/proc/{pid}/task").glob("*/children"):
         with contextlib.suppress(OSError, ValueError):
-            found += map(int, task.read_text().split())
-    return found
+            pids += map(int, task.read_text().split())
+    return pids

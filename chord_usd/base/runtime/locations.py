@@ -69,10 +69,10 @@ def checkpoint_folder(name: str) -> Path:
     when there is none of this name, or nothing in it, or where the variable names no folder with
     checkpoints.
     """
-    own = _own_checkpoints()
-    if name in own:
-        _in_use[name] = own[name]
-        return own[name]
+    named = _own_checkpoints()
+    if name in named:
+        _in_use[name] = named[name]
+        return named[name]
     folder = _shipped("checkpoints") / name
     if folder.is_dir() and any(folder.iterdir()):
         return folder
@@ -116,35 +116,35 @@ def _steps_of(folder: Path) -> int | None:
 
 def _own_checkpoints() -> dict[str, Path]:
     """Folders in CHORD_USD_CHECKPOINTS by the names of the shipped checkpoints."""
-    own = os.environ.get(CHECKPOINTS_VARIABLE)
-    if not own:
+    value = os.environ.get(CHECKPOINTS_VARIABLE)
+    if not value:
         return {}
-    where = f"{CHECKPOINTS_VARIABLE}={own}"
+    where = f"{CHECKPOINTS_VARIABLE}={value}"
     unset = f"unset {CHECKPOINTS_VARIABLE}, for the checkpoints that come with chord-usd"
-    if not Path(own).is_dir():
+    if not Path(value).is_dir():
         raise CheckpointError(
-            "is no folder" if Path(own).exists() else "there is no such folder",
+            "is no folder" if Path(value).exists() else "there is no such folder",
             where=where,
             expected="a folder of checkpoints, one folder each, such as plan2layout",
             try_=unset,
         )
-    found = _named_in(Path(own))
-    if not found:
+    named = _named_in(Path(value))
+    if not named:
         raise CheckpointError(
             "holds no networks",
             where=where,
             expected="a run of chord-usd train, or folders such as plan2layout",
             try_=unset,
         )
-    return found
+    return named
 
 
 def _named_in(place: Path) -> dict[str, Path]:
     """Checkpoints in a folder of runs or checkpoints, in a run, or in a checkpoint of a run."""
-    found = {}
+    by_name = {}
     for folder in (place, place / RUN_CHECKPOINT):
         if (folder / _NAME_FILE).is_file():
-            found[(folder / _NAME_FILE).read_text(encoding="ascii", errors="replace").strip()] = (
+            by_name[(folder / _NAME_FILE).read_text(encoding="ascii", errors="replace").strip()] = (
                 folder
             )
     names = [shipped.name for shipped in _shipped("checkpoints").iterdir() if shipped.is_dir()]
@@ -152,8 +152,8 @@ def _named_in(place: Path) -> dict[str, Path]:
         run = place / name / RUN_CHECKPOINT
         folder = run if run.is_dir() else place / name
         if folder.is_dir() and any(folder.iterdir()):
-            found[name] = folder
-    return found
+            by_name[name] = folder
+    return by_name
 
 
 def shipped_checkpoints() -> Path:
@@ -163,9 +163,9 @@ def shipped_checkpoints() -> Path:
 
 def cache_folder() -> Path:
     """CHORD_USD_CACHE, else chord-usd in XDG_CACHE_HOME, else in ~/.cache."""
-    own = os.environ.get(CACHE_VARIABLE)
-    if own:
-        return Path(own)
+    value = os.environ.get(CACHE_VARIABLE)
+    if value:
+        return Path(value)
     shared = os.environ.get("XDG_CACHE_HOME")
     return (Path(shared) if shared else Path.home() / ".cache") / "chord-usd"
 

@@ -38,4 +38,4 @@ def machine_error(error: Exception, where: str = "") -> ChordError | None:
 
 def is_out_of_memory(error: BaseException) -> bool:
     """Whether an error of torch or Python says that memory ended."""
-    return isinstance(error, MemoryError) or any(one in str(error).lower() for one in _NO_MEMORY)
+    return isinstance(error, MemoryError) or any(sign in str(error).lower() for sign in _NO_MEMORY)

@@ -174,7 +174,7 @@ def load_graph(
 
 
 def usable_cores() -> int:
-    """Cores this process may use; the runtime would count those of the machine.
+    """Cores this process may use; the runtime would count all cores of the machine.
 
     OMP_NUM_THREADS says so where several processes share a machine.
     """
@@ -202,7 +202,7 @@ SCALE_SUFFIX = ".scale"
 """Of the name of the scales of a tensor; their type is that of the tensor before."""
 
 _LEAST_SIZE = 1024
-"""Smaller tensors, and those of one axis, stay as they are."""
+"""Smaller tensors, and tensors of one axis, stay as they are."""
 
 _STEPS = 127
 

@@ -1,4 +1,4 @@
-"""Nothing leaves the machine: what libraries are told, before they are imported.
+"""Nothing leaves the machine: settings of libraries, made before they are imported.
 
 ONNX Runtime 1.31 opens a store of usage events in the home folder when it is imported, and looks
 up the host that it sends them to once a session is made; disable_telemetry_events() comes too late

@@ -1,4 +1,4 @@
-"""Progress of long steps, told on stderr: a bar, a line per step, or JSON.
+"""Progress of long steps, reported on stderr: a bar, a line per step, or JSON.
 
 Steps take a plain callable `progress(done, total)`; a Reporter makes one for each step.
 """
@@ -24,7 +24,7 @@ PROGRESS_STYLES: tuple[ProgressStyle, ...] = ProgressStyle.__args__  # type: ign
 
 
 class Reporter(Protocol):
-    """Tells a user where the work stands."""
+    """Reports the state of the work to a user."""
 
     def announce(self, line: str) -> None:
         """Say a sentence before long work."""
@@ -90,7 +90,7 @@ class JsonReporter(SilentReporter):
 
     def step(self, name: str) -> Progress:
         self._done, self._total = 0, 1
-        # Told before anything is done, so that who reads it knows what is going on.
+        # Reported before anything is done, so that the reader knows the step.
         _say(json.dumps({"step": name, "done": 0, "total": 1}))
 
         def progress(done: int, total: int) -> None:
@@ -110,13 +110,13 @@ class JobReporter(SilentReporter):
 
     def step(self, name: str) -> Progress:
         _say(f"openjd_status: {name}")
-        told = -1.0
+        reported = -1.0
 
         def progress(done: int, total: int) -> None:
-            nonlocal told
+            nonlocal reported
             percent = 100.0 * done / max(total, 1)
-            if percent >= told + 1.0:
-                told = percent
+            if percent >= reported + 1.0:
+                reported = percent
                 _say(f"openjd_progress: {percent:.1f}")
 
         return progress

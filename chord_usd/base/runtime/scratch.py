@@ -1,4 +1,4 @@
-"""Folders for what is being made. Those of a run that was killed are cleared away by the next one.
+"""Folders for unfinished files. The next run clears away the folders of a run that was killed.
 
 A folder in use holds a locked file; the kernel lets go of the lock when its holder dies, however
 it dies. A folder without the file, or with another one of that name, is not ours to remove.
@@ -32,7 +32,7 @@ class Scratch:
     """A folder of our own and the lock on it."""
 
     def __init__(self, parent: Path) -> None:
-        """Make a hidden folder in parent, after clearing away those of the dead. Raises OSError.
+        """Make a hidden folder in parent, after clearing away dead runs' folders. Raises OSError.
 
         To be called while interrupts are held, until somebody has it who will remove it.
         """

@@ -73,7 +73,7 @@ class _Packer:
             kind = "array" if isinstance(value, np.ndarray) else "scalar"
             return [kind, self._number(value, np.asarray(value))]
         if is_dataclass(value):
-            parts = {one.name: self.tree(getattr(value, one.name)) for one in fields(value)}
+            parts = {field.name: self.tree(getattr(value, field.name)) for field in fields(value)}
             return ["data", *_named(type(value)), parts]
         if isinstance(value, ChordError):
             parts = {name: self.tree(part) for name, part in vars(value).items()}
@@ -107,8 +107,8 @@ class _Reader:
         if kind == "path":
             return Path(parts[0])
         if kind in ("bytes", "bytearray"):
-            found = self._array(parts[0]).data
-            return bytes(found) if kind == "bytes" else bytearray(found)
+            data = self._array(parts[0]).data
+            return bytes(data) if kind == "bytes" else bytearray(data)
         if kind in ("array", "scalar"):
             return self._array(parts[0])[() if kind == "scalar" else ...]
         if kind in ("data", "error"):
@@ -133,15 +133,17 @@ def _named(kind: type) -> tuple[str, str]:
 
 def _loaded(module: str, name: str) -> type:
     """A class of this package by its name; nothing is imported for it."""
-    found = getattr(sys.modules.get(module), name, None) if module.startswith(_PACKAGE) else None
-    if not isinstance(found, type) or not (is_dataclass(found) or issubclass(found, ChordError)):
+    loaded = getattr(sys.modules.get(module), name, None) if module.startswith(_PACKAGE) else None
+    if not isinstance(loaded, type) or not (is_dataclass(loaded) or issubclass(loaded, ChordError)):
         raise ValueError(f"{module}.{name} is no class of values")
-    return found
+    return loaded
 
 
 def _made(kind: str, of_type: type, values: dict[str, Any]) -> Any:
     if kind == "data" and is_dataclass(of_type):
-        return of_type(**{one.name: values[one.name] for one in fields(of_type) if one.init})
+        return of_type(
+            **{field.name: values[field.name] for field in fields(of_type) if field.init}
+        )
     if kind == "error" and issubclass(of_type, ChordError):
         known = {name: values.pop(name) for name in ("what", "where", "expected", "try_")}
         error = ChordError.__new__(of_type)

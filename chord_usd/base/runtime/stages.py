@@ -98,9 +98,9 @@ def layer_beside(identifier: str, *names: str) -> Sdf.Layer | None:
 
     layer = Sdf.Layer.FindOrOpen(identifier)
     for name in names if layer else ():
-        found = Sdf.Layer.FindOrOpen(layer.ComputeAbsolutePath(f"./{name}"))
-        if found:
-            return found
+        candidate = Sdf.Layer.FindOrOpen(layer.ComputeAbsolutePath(f"./{name}"))
+        if candidate:
+            return candidate
     return None
 
 
@@ -116,9 +116,9 @@ def reading(path: Path) -> Iterator[None]:
     except (ChordError, OSError, MemoryError):
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:200]
+        cause = " ".join(str(error).split())[:200]
         raise StageError(
-            f"holds what cannot be read ({type(error).__name__}: {told})",
+            f"holds what cannot be read ({type(error).__name__}: {cause})",
             where=str(path),
             expected="a stage as chord-usd writes it",
             try_=f"usdchecker {path.name}",
@@ -127,8 +127,8 @@ def reading(path: Path) -> Iterator[None]:
 
 def files_of(path: Path) -> StageFiles:
     """The files of a stage from a stranger, found without any harm. Raises StageError."""
-    (found,) = look_through([path])
-    return found
+    (files,) = look_through([path])
+    return files
 
 
 def own_files(path: Path, where: Path | None = None) -> StageFiles:
@@ -165,8 +165,8 @@ def look_through(
         others = f" and {len(unknown) - 1} others" if len(unknown) > 1 else ""
         where = f"{unknown[0]}{others}"
         names = tuple(str(absolute(path)) for path in unknown)
-        found = decode("stages", names, where=where, error=StageError, meanwhile=meanwhile)
-        for path, files in zip(unknown, found, strict=True):
+        results = decode("stages", names, where=where, error=StageError, meanwhile=meanwhile)
+        for path, files in zip(unknown, results, strict=True):
             _remembered[absolute(path)] = files, _states(files)
     silence()
     looked = tuple(_remembered[absolute(path)][0] for path in paths)
@@ -276,9 +276,9 @@ def _try_all(paths: tuple[str, ...]) -> list[StageFiles]:
 def _try(path: Path) -> StageFiles:
     """Open a stage with everything in it, once its files are known to be files."""
     silence()
-    found = _Walk(path)  # while it is here, its layers need not be read again
-    found.follow()
-    files = found.files
+    tree = _Walk(path)  # while it is here, its layers need not be read again
+    tree.follow()
+    files = tree.files
     stage = open_known(path)
     count_prims(stage, path)
     for prim in _prims_once(stage):
@@ -321,11 +321,11 @@ def storey_prims(stage: Usd.Stage) -> list[Usd.Prim]:
     """The groups of a house's storeys, the lowest first; none in a house of one."""
     house = stage.GetDefaultPrim()
     rooms = house.GetChild("Rooms") if house else None
-    return [one for one in (rooms.GetChildren() if rooms else ()) if one.HasAttribute(ELEVATION)]
+    return [prim for prim in (rooms.GetChildren() if rooms else ()) if prim.HasAttribute(ELEVATION)]
 
 
 def room_prims(stage: Usd.Stage) -> list[Usd.Prim]:
-    """The rooms of a house, of all its storeys; none on a stage that is not one of ours."""
+    """The rooms of a house, of all its storeys; none on a stage that this program did not write."""
     house = stage.GetDefaultPrim()
     rooms = house.GetChild("Rooms") if house else None
     groups = storey_prims(stage) or ([rooms] if rooms else [])
@@ -358,9 +358,9 @@ def walk(path: Path) -> StageFiles:
     through, or that this program made. Raises StageError.
     """
     silence()
-    found = _Walk(path)
-    found.follow()
-    return found.files
+    tree = _Walk(path)
+    tree.follow()
+    return tree.files
 
 
 @dataclass
@@ -421,7 +421,7 @@ class _Walk:
         for asset_path in named_in(name):
             self._meet(asset_path, layer)
         below = (self._resolved(path, layer) for path in layer.subLayerPaths)
-        self._below[name] = [one for one in below if one]
+        self._below[name] = [sublayer for sublayer in below if sublayer]
 
     def _count_sublayers(self, root: str) -> None:
         """Raise StageError for a layer with too many below it, counted as often as they occur."""
@@ -431,8 +431,8 @@ class _Walk:
             count += 1
             if count > MOST_LAYERS:
                 raise StageError(f"has more than {MOST_LAYERS:,} sublayers", where=str(self.path))
-            new = (one for one in self._below.get(name, ()) if one not in above)
-            due += [(one, above | {one}) for one in new]
+            new = (sublayer for sublayer in self._below.get(name, ()) if sublayer not in above)
+            due += [(sublayer, above | {sublayer}) for sublayer in new]
 
     @staticmethod
     def _resolved(asset_path: str, layer: Sdf.Layer) -> str:

@@ -1,4 +1,4 @@
-"""What may be written where, and what is told of targets that may not."""
+"""Which targets may be written, and the errors for those that may not."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from chord_usd.base.runtime.scratch import PREFIX as SCRATCH_PREFIX
 
 FolderMode = Literal["new", "replace", "renew", "add"]
 """What becomes of a folder that holds something already. new: it is refused. replace: what this
-program wrote there as one output is replaced. renew: as replace, and files of ours that were
-damaged or changed are set aside, which replace refuses. add: new files join those of ours."""
+program wrote there as one output is replaced. renew: as replace, and its files that were
+damaged or changed are set aside, which replace refuses. add: new files join its files."""
 
 _FULL_DISK = (errno.ENOSPC, errno.EDQUOT)
 FREE_SPACE = "free some space, or write to another disk"
@@ -64,7 +64,7 @@ def check_file_target(target: Path) -> None:
     try:
         mode = target.lstat().st_mode
     except OSError:
-        return  # not there, or not to be seen: writing will tell
+        return  # not there, or not to be seen: writing will show
     if stat.S_ISREG(mode):
         return
     if stat.S_ISLNK(mode):
@@ -77,7 +77,7 @@ def check_file_target(target: Path) -> None:
 
 def refuse_folder(folder: Path, mode: FolderMode) -> None:
     """Raise OutputError for a folder whose content may not be replaced or added to."""
-    there = sorted(one.name for one in folder.iterdir() if one.name != MANIFEST_FILE)
+    there = sorted(entry.name for entry in folder.iterdir() if entry.name != MANIFEST_FILE)
     there = [name for name in there if not name.startswith(SCRATCH_PREFIX)]
     manifest = Manifest(folder)
     if not there or (mode in ("replace", "renew") and manifest.is_of_a_whole_folder):
@@ -102,7 +102,7 @@ def _listed(names: list[str]) -> str:
 
 
 def not_ours(target: Path) -> OutputError:
-    """What the user is told of a file that is not replaced."""
+    """The error for a file that is not replaced."""
     return OutputError(
         "was not written by chord-usd, or was changed since",
         where=str(target),
@@ -112,7 +112,7 @@ def not_ours(target: Path) -> OutputError:
 
 
 def output_error(error: OSError, target: Path) -> OutputError:
-    """What the user is told where a target cannot be written."""
+    """The error for a target that cannot be written."""
     if is_full(error):
         return DiskFullError("the disk is full", where=str(target), try_=FREE_SPACE)
     return OutputError(
@@ -186,8 +186,8 @@ class Manifest:
     @cached_property
     def hashes(self) -> Mapping[str, str]:
         """SHA-256 of each file when it was written, by its POSIX path in the folder."""
-        found = (_LINE.fullmatch(line) for line in self._lines)
-        return {match[2]: match[1] for match in found if match and _stays_inside(match[2])}
+        matches = (_LINE.fullmatch(line) for line in self._lines)
+        return {match[2]: match[1] for match in matches if match and _stays_inside(match[2])}
 
     def lists(self, file: Path) -> bool:
         """Whether this program wrote a file of this name into the folder."""
@@ -250,8 +250,11 @@ def _stays_inside(name: str) -> bool:
 
 def _is_plain(file: Path, folder: Path) -> bool:
     """Whether it is a file of its own, reached through folders and not through links."""
-    between = [file, *(one for one in file.parents if one.is_relative_to(folder) and one != folder)]
-    return file.is_file() and not any(one.is_symlink() for one in between)
+    between = [
+        file,
+        *(parent for parent in file.parents if parent.is_relative_to(folder) and parent != folder),
+    ]
+    return file.is_file() and not any(path.is_symlink() for path in between)
 
 
 # SHA-256 of files --------------------------------------------------------------------------------

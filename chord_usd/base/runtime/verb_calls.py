@@ -1,4 +1,4 @@
-"""A verb, run for an agent or a page: in a process of its own, its progress told, ended at will.
+"""A verb, run for an agent or a page: in a process of its own, with progress, ended at will.
 
 A process costs a second or more for each call, and gives what tools in one process lack: a signal
 ends a call without half-written output, two houses are worked on at once, a crash is one error.
@@ -24,12 +24,12 @@ from chord_usd.base.runtime import resident
 from chord_usd.base.runtime.locations import ROOT_VARIABLE
 
 END_S = 10.0
-"""How long a verb that is told to end may take; Blender is the slowest."""
+"""How long a verb may take to end after the signal; Blender is the slowest."""
 
 LONGEST_WORD_BYTES = 2**16
 """Of one word of a command line; Linux takes twice as much."""
 
-Told = Callable[[str, int, int], Awaitable[None]]
+ReportProgress = Callable[[str, int, int], Awaitable[None]]
 """Takes the name of a step, and how many of how many parts of it are done."""
 
 
@@ -46,7 +46,7 @@ class Answer:
 def require_words(words: Sequence[str]) -> None:
     """Raises ChordError for words that no process can be started with."""
     for word in words:
-        if "\0" in word or any("\ud800" <= one <= "\udfff" for one in word):
+        if "\0" in word or any("\ud800" <= character <= "\udfff" for character in word):
             what, expected = "holds half a character, or none (NUL)", "text"
         elif len(word.encode()) > LONGEST_WORD_BYTES:
             what, expected = "is too long", f"at most {LONGEST_WORD_BYTES} bytes"
@@ -56,13 +56,13 @@ def require_words(words: Sequence[str]) -> None:
         raise ChordError(what, where=shown[:40], expected=expected)
 
 
-async def run_verb(words: Sequence[str], root: Path, told: Told) -> Answer:
+async def run_verb(words: Sequence[str], root: Path, report: ReportProgress) -> Answer:
     """One command line, run in root, which is all of the disk that stages may refer to.
 
     Raises ChordError with the verb's own sentence.
     """
     require_words(words)
-    # -P: a file of the root's is no module of ours.
+    # -P: no file in the root replaces a module.
     command = [sys.executable, "-P", "-m", "chord_usd", *words, "--json", "--progress", "json"]
     process = await anyio.open_process(
         command,
@@ -77,7 +77,7 @@ async def run_verb(words: Sequence[str], root: Path, told: Told) -> Answer:
     try:
         async with anyio.create_task_group() as both:
             both.start_soon(_read, process.stdout, answer)
-            both.start_soon(_follow, process.stderr, told, said)
+            both.start_soon(_follow, process.stderr, report, said)
         code = await process.wait()
     except BaseException:
         await _end(process)
@@ -101,15 +101,15 @@ async def _read(stream: ByteReceiveStream, into: list[str]) -> None:
         into.append(part)
 
 
-async def _follow(stream: ByteReceiveStream, told: Told, said: list[str]) -> None:
-    """Tell of progress; other lines go to said."""
+async def _follow(stream: ByteReceiveStream, report: ReportProgress, said: list[str]) -> None:
+    """Report progress; other lines go to said."""
     rest = ""
     async for part in TextReceiveStream(stream, errors="replace"):
         *lines, rest = (rest + part).split("\n")
         for line in lines:
             if line.startswith("{"):
                 step = json.loads(line)
-                await told(step["step"], step["done"], step["total"])
+                await report(step["step"], step["done"], step["total"])
             else:
                 said.append(line)
 

@@ -21,7 +21,7 @@ from chord_usd.base.runtime.locations import ROOT_VARIABLE
 from chord_usd.base.runtime.verb_calls import (
     END_S,
     Answer,
-    Told,
+    ReportProgress,
     answer_of,
     require_words,
     run_verb,
@@ -39,7 +39,7 @@ MOST_BYTES = 2**26
 
 
 class WarmVerbs:
-    """Runs verbs as run_verb does, those of WARM in a process that is there already."""
+    """Runs verbs as run_verb does, the verbs of WARM in a process that is there already."""
 
     def __init__(self) -> None:
         self._process: Process | None = None
@@ -47,16 +47,16 @@ class WarmVerbs:
         self._busy = asyncio.Lock()
         self._idle: asyncio.TimerHandle | None = None
 
-    async def __call__(self, words: Sequence[str], root: Path, told: Told) -> Answer:
+    async def __call__(self, words: Sequence[str], root: Path, report: ReportProgress) -> Answer:
         """One command line, run in root. Raises ChordError with the verb's own sentence."""
         require_words(words)
         if words[0] not in WARM or self._busy.locked():
-            return await run_verb(words, root, told)
+            return await run_verb(words, root, report)
         async with self._busy:
             process = await self._started(root)
             self._calls += 1
             try:
-                code, answer, said = await _run(process, words, told)
+                code, answer, said = await _run(process, words, report)
             except BaseException:
                 await self._end()
                 raise
@@ -82,7 +82,7 @@ class WarmVerbs:
             self._idle.cancel()
         if self._process is None or self._process.returncode is not None:
             self._calls = 0
-            # -P: a file of the root's is no module of ours.
+            # -P: no file in the root replaces a module.
             self._process = await asyncio.create_subprocess_exec(
                 sys.executable, "-P", "-m", "chord_usd.faces.standby",
                 stdin=PIPE, stdout=PIPE, stderr=PIPE, limit=MOST_BYTES, cwd=root,
@@ -119,7 +119,9 @@ class WarmVerbs:
                     process.kill()
 
 
-async def _run(process: Process, words: Sequence[str], told: Told) -> tuple[int, str, list[str]]:
+async def _run(
+    process: Process, words: Sequence[str], report: ReportProgress
+) -> tuple[int, str, list[str]]:
     """Exit code, answer, and what was said besides progress."""
     assert process.stdin is not None
     assert process.stdout is not None
@@ -130,16 +132,16 @@ async def _run(process: Process, words: Sequence[str], told: Told) -> tuple[int,
         process.stdin.write(json.dumps(line).encode() + b"\n")
         await process.stdin.drain()
     async for raw in process.stderr:
-        one = raw.decode(errors="replace").rstrip("\n")
-        if not one.startswith("{"):
-            said.append(one)
+        text = raw.decode(errors="replace").rstrip("\n")
+        if not text.startswith("{"):
+            said.append(text)
             continue
-        step = json.loads(one)
+        step = json.loads(text)
         if "over" in step:
             code = int(step["over"])
             answer = await process.stdout.readline() if code in (0, 1) else b""
             return code, answer.decode(errors="replace"), said
-        await told(step["step"], step["done"], step["total"])
+        await report(step["step"], step["done"], step["total"])
     code = await process.wait()
     # Whoever ends by itself in the middle has not answered.
     return code if code not in (0, 1) else -1, "", said

@@ -9,7 +9,7 @@ The file holds `rooms`, `windowsDoors` and `furniture`, in centimetres and degre
 - `roomType` 0 is the outline of the house. It is no room: it travels in `extra["outRooms"]`.
 - Keys not known here travel in `extra` of their element and are written again.
 
-A scene graph adds `style`, `dressing` (elements as those of `furniture`, of categories of the
+A scene graph adds `style`, `dressing` (elements as in `furniture`, of categories of the
 dressing level), `provenance`, and to elements `id`, `roomId` (`roomIds` for openings), `asset`,
 `score`, `rests_on` and `children` (posed in their parent's frame). Where ids or rooms are missing
 they are filled in: ids by count, rooms by where things stand. Numbers are written to 1e-6 cm, so
@@ -120,8 +120,8 @@ def plan_from_json(data: object, where: str = "plan") -> Plan:
     """A plan from parsed JSON. where: what error messages call it. Raises PlanError."""
     house = Element(data, where, PlanError)
     floors, openings, extra = _read_shell(house)
-    said = [one.text("roomId") for one in house.elements("rooms", "room", MOST_ROOMS)
-            if one.has("roomKind")]  # fmt: skip
+    said = [room.text("roomId") for room in house.elements("rooms", "room", MOST_ROOMS)
+            if room.has("roomKind")]  # fmt: skip
     return with_wet_kinds(Plan(floors.rooms, openings, extra), said)
 
 
@@ -146,7 +146,9 @@ def _read_dressing(
     if not house.has("dressing"):
         return ()
     elements = house.elements("dressing", "dressing", MOST_ITEMS)
-    dressing = tuple(_read_item(one, names, floors, level=Level.DRESSING) for one in elements)
+    dressing = tuple(
+        _read_item(element, names, floors, level=Level.DRESSING) for element in elements
+    )
     refuse_loose_ends(elements, dressing, items)
     return dressing
 
@@ -269,9 +271,9 @@ def _refuse_overlaps(floors: Floors, house: Element) -> None:
                 continue
             shared = polygon.intersection(floors.polygons[other])
             if not shared.buffer(-_DEEPEST_OVERLAP_M / 2).is_empty:
-                one, two = floors.rooms[index].id, floors.rooms[other].id
+                first, second = floors.rooms[index].id, floors.rooms[other].id
                 raise house.error(
-                    f"room '{shown(one)}' crosses room '{shown(two)}'",
+                    f"room '{shown(first)}' crosses room '{shown(second)}'",
                     expected="rooms side by side",
                     try_="correct the wallPoints of one of them",
                 )

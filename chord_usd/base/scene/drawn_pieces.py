@@ -24,7 +24,7 @@ from chord_usd.base.scene.types import Box, FloatArray, Item, Opening, Plan, Roo
 from chord_usd.base.scene.units import cm_from_m, fold_deg, m_from_cm, rotation_2d
 
 DRAWN = "drawn"
-"""Key of Plan.extra: pieces that the drawing shows, boxes as those of furniture, with `type` and
+"""Key of Plan.extra: pieces that the drawing shows, boxes as of furniture, with `type` and
 `score`."""
 
 KITCHEN = ("sink_cabinet", "cooker_cabinet", "refrigerator")
@@ -79,7 +79,7 @@ def to_entry(items: Sequence[Item]) -> list[dict[str, Any]]:
 
 def drawn_items(extra: Mapping[str, Any]) -> list[Item]:
     """The pieces of a plan's extra, the surest first; what is none is passed over."""
-    found = []
+    items = []
     for number, entry in enumerate(extra.get(DRAWN, ())):
         try:
             x, y, z = (m_from_cm(float(v)) for v in entry["pos"])
@@ -91,8 +91,8 @@ def drawn_items(extra: Mapping[str, Any]) -> list[Item]:
         except (KeyError, TypeError, ValueError):
             continue
         if name in CATEGORIES and min(length, width, height) > 0 and np.isfinite((x, y)).all():
-            found.append(Item(f"drawn_{number}", name, box, score=score))
-    return sorted(found, key=lambda item: -item.score)
+            items.append(Item(f"drawn_{number}", name, box, score=score))
+    return sorted(items, key=lambda item: -item.score)
 
 
 def seen_item(category: str, box: Box, score: float) -> Item:
@@ -108,9 +108,9 @@ def usual_box(category: str, box: Box) -> Box:
         for side, usual in zip(box.size_m[:2], (row.length_m, row.width_m), strict=True)
     )
     height = sum(row.height_m) / 2
-    own = _against_back(box, (length, width))
-    center_m = (*own.center_m[:2], row.mount_height_m)
-    return replace(own, center_m=center_m, size_m=(length, width, height))
+    against = _against_back(box, (length, width))
+    center_m = (*against.center_m[:2], row.mount_height_m)
+    return replace(against, center_m=center_m, size_m=(length, width, height))
 
 
 def _against_back(box: Box, size_m: tuple[float, float]) -> Box:
@@ -137,32 +137,34 @@ def place(
     trims = {room.id: _trims(room, plan.openings) for room in plan.rooms}
     counts: Counter[tuple[str, str]] = Counter()
     standing: list[Polygon] = []
-    found = []
+    placed = []
     for item in drawn_items(plan.extra):
         room_id = next((i for i, f in floors.items() if f.covers(Point(item.box.center_m[:2]))), "")
         if not room_id:
-            found.append(Placed(item, reason="in no room"))
+            placed.append(Placed(item, reason="in no room"))
             continue
         category, reason = named(item, room_id)
         if not reason and category in _SINGLE and counts[room_id, category]:
             reason = "a second one in its room"
-        own = replace(item, category=category)
+        as_named = replace(item, category=category)
         box = _on_walls(category, usual_box(category, item.box), plan.room(room_id))
         if not reason and category not in KITCHEN:
-            kept_free = [area for area, opening in clear if blocks(replace(own, box=box), opening)]
+            kept_free = [
+                area for area, opening in clear if blocks(replace(as_named, box=box), opening)
+            ]
             kept_free += trims[room_id]
             floor = _Floor(floors[room_id], kept_free, standing)
             box, reason = _standing(category, box, plan.room(room_id), floor)
         if reason:
-            found.append(Placed(item, reason=reason))
+            placed.append(Placed(item, reason=reason))
             continue
         number = counts[room_id, category]
         counts[room_id, category] += 1
         if category not in KITCHEN:
             standing.append(footprint_polygon(box))
-        new = replace(own, id=f"{room_id}/{category}_{number}", box=box, room_id=room_id)
-        found.append(Placed(item, new.found(locked=True)))
-    return found
+        new = replace(as_named, id=f"{room_id}/{category}_{number}", box=box, room_id=room_id)
+        placed.append(Placed(item, new.with_facts(locked=True)))
+    return placed
 
 
 def _trims(room: Room, openings: Sequence[Opening]) -> list[Polygon]:
@@ -206,7 +208,7 @@ def _standing(category: str, box: Box, room: Room, floor: _Floor) -> tuple[Box, 
     least = (min(row.length_m[0], box.size_m[0]), min(row.width_m[0], box.size_m[1]))
     # What is drawn over a wall is smaller than it was seen.
     tried = (*_steps(box), *_steps(_on_walls(category, _against_back(box, least), room)))
-    return next(((one, "") for one in tried if not floor.refuses(one)), (box, reason))
+    return next(((option, "") for option in tried if not floor.refuses(option)), (box, reason))
 
 
 def _on_walls(category: str, box: Box, room: Room) -> Box:
@@ -220,7 +222,9 @@ def _on_walls(category: str, box: Box, room: Room) -> Box:
             for edge in EDGES[axis]
         }
         moves = [(edge, place) for edge, place in places.items() if place is not None]
-        moves.sort(key=lambda one: (one[0] != back, abs(one[1] - getattr(footprint.rect, one[0]))))
+        moves.sort(
+            key=lambda move: (move[0] != back, abs(move[1] - getattr(footprint.rect, move[0])))
+        )
         if moves:
             edge, place = moves[0]
             by = place - getattr(footprint.rect, edge)
@@ -248,11 +252,11 @@ def _wall_near(
     """Where the nearest wall beyond an edge lies along its axis; None where none is near."""
     rect = footprint.rect
     axis = 0 if edge in EDGES[0] else 1
-    own = rect.local(polygon_m)
+    local = rect.local(polygon_m)
     at = getattr(rect, edge)
     low, high = rect.span(1 - axis)
     best: float | None = None
-    for start, end in zip(own, np.roll(own, -1, axis=0), strict=True):
+    for start, end in zip(local, np.roll(local, -1, axis=0), strict=True):
         if abs(end[axis] - start[axis]) > 0.1 * abs(end[1 - axis] - start[1 - axis]) + 1e-9:
             continue
         first, last = sorted((start[1 - axis], end[1 - axis]))

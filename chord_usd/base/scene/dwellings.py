@@ -40,8 +40,8 @@ def only_dwelling(plan: Plan, number: int) -> Plan:
         )
     kept = {room.id for room in rooms}
     openings = [
-        replace(one, room_ids=tuple(room_id for room_id in one.room_ids if room_id in kept))
-        for one in plan.openings
-        if kept & set(one.room_ids)
+        replace(opening, room_ids=tuple(room_id for room_id in opening.room_ids if room_id in kept))
+        for opening in plan.openings
+        if kept & set(opening.room_ids)
     ]
     return replace(plan, rooms=rooms, openings=tuple(openings))

@@ -49,7 +49,9 @@ class Estimate:
 def of_stage(graph: SceneGraph) -> Estimate:
     """Of writing a scene as a stage, and checking it."""
     rooms = len(graph.rooms)
-    pieces = len(graph.items) + len(graph.dressing) + sum(len(one.children) for one in graph.items)
+    pieces = (
+        len(graph.items) + len(graph.dressing) + sum(len(item.children) for item in graph.items)
+    )
     return Estimate(6.0 + 0.08 * rooms + 0.012 * pieces, 3e8 + 1.2e6 * rooms + 4.5e5 * pieces)
 
 

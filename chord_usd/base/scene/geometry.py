@@ -37,7 +37,7 @@ def footprint(box: Box) -> FloatArray:
     The order is counter-clockwise; the front edge runs from corner 1 to corner 2. Read-only.
     """
     half_length, half_width = box.size_m[0] / 2, box.size_m[1] / 2
-    own = np.array(
+    local = np.array(
         [
             [-half_length, half_width],
             [-half_length, -half_width],
@@ -45,7 +45,7 @@ def footprint(box: Box) -> FloatArray:
             [half_length, half_width],
         ]
     )
-    corners = to_world(box, own)
+    corners = to_world(box, local)
     corners.flags.writeable = False
     return corners
 
@@ -122,7 +122,7 @@ class Floors:
         self._tree = STRtree(self.polygons)
 
     def near(self, shape: BaseGeometry) -> list[int]:
-        """Indices of the rooms whose bounds meet those of a shape, in the rooms' order."""
+        """Indices of the rooms whose bounds meet a shape's bounds, in the rooms' order."""
         return sorted(self._tree.query(shape).tolist())
 
 
@@ -137,11 +137,11 @@ def rooms_beside(box: Box, rooms: Sequence[Room] | Floors) -> tuple[str, ...]:
     beside: list[str] = []
     for side in (1.0, -1.0):
         half_length = box.size_m[0] / 4
-        own = np.array(
+        local = np.array(
             [[-half_length, 0], [half_length, 0], [half_length, side * reach_m],
              [-half_length, side * reach_m]]
         )  # fmt: skip
-        strip = Polygon(to_world(box, own))
+        strip = Polygon(to_world(box, local))
         shares = {
             floors.rooms[index].id: floors.polygons[index].intersection(strip).area
             for index in floors.near(strip)
@@ -185,8 +185,8 @@ def seams(floors: Sequence[Polygon], within_m: float) -> Iterator[tuple[int, int
     # Of object dtype where there is no floor, too: the query takes no other.
     areas = np.array(floors, dtype=object)
     near = STRtree(areas).query(areas, predicate="dwithin", distance=within_m)
-    for one, other in sorted((one, other) for one, other in near.T.tolist() if one < other):
-        yield one, other, floors[one].exterior.intersection(floors[other].buffer(within_m))
+    for first, other in sorted((first, other) for first, other in near.T.tolist() if first < other):
+        yield first, other, floors[first].exterior.intersection(floors[other].buffer(within_m))
 
 
 def shared_rows(uvs: npt.ArrayLike) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]]:
@@ -211,9 +211,9 @@ def gaps(spans: Iterable[tuple[float, float]], length: float) -> Iterator[tuple[
 def hanging_together(count: int, pairs: Iterable[tuple[int, int]]) -> list[list[int]]:
     """The numbers from 0 to count in groups that pairs join, directly or over others; in order."""
     group_of = [[index] for index in range(count)]
-    for one, other in pairs:
-        if group_of[one] is not group_of[other]:
-            joined = sorted(group_of[one] + group_of[other])
+    for first, other in pairs:
+        if group_of[first] is not group_of[other]:
+            joined = sorted(group_of[first] + group_of[other])
             for index in joined:
                 group_of[index] = joined
     return [group for index, group in enumerate(group_of) if group[0] == index]

@@ -37,7 +37,7 @@ class Intent:
     action: Action
     room: str
     """Id of the room where it is done."""
-    told: str
+    wording: str
     """In words, for whoever said it."""
     items: tuple[str, ...] = ()
     """Ids of the pieces of the house that it is done to; two are swapped."""

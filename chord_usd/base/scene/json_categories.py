@@ -66,7 +66,7 @@ def refuse_loose_ends(
 ) -> None:
     """Refuse dressing that carries things, rests on what is not there, or in the end on itself.
 
-    elements: those of the dressing, in its order.
+    elements: of the dressing, in its order.
     """
     there = {item.id for item in _all(items)} | {item.id for item in dressing}
     rests_on = {item.id: item.facts.rests_on for item in dressing}

@@ -41,8 +41,8 @@ def read_facts(element: Element, read_box: ReadBox) -> Facts:
 def _choice(element: Element) -> FrontFrom | None:
     if not element.has("front_from"):
         return None
-    found: FrontFrom = element.choice("front_from", get_args(FrontFrom))
-    return found
+    choice: FrontFrom = element.choice("front_from", get_args(FrontFrom))
+    return choice
 
 
 def _number(element: Element, key: str) -> float | None:

@@ -1,6 +1,6 @@
 """Stairs and storeys in CHOrD JSON.
 
-A plan may hold `stairs`: boxes as those of furniture, with `form` (straight, L, U, winder_L,
+A plan may hold `stairs`: boxes as of furniture, with `form` (straight, L, U, winder_L,
 winder_U, spiral), `turn` (left, right) and `leads` (up, down). A house of storeys is
 `{"storeys": [...]}`, one plan each, the lowest first, with an optional `name` and `shift` ([x, y],
 centimetres: where its origin lies in the ground floor's). Plans without `shift` are registered by
@@ -51,7 +51,7 @@ def write_storeys(graphs: Sequence[SceneGraph], names: Sequence[str], path: Path
 def stairs_of(plan: Plan, where: str = "plan") -> tuple[Stair, ...]:
     """The stairs that a plan notes. Raises PlanError."""
     house = Element({STAIRS: plan.extra.get(STAIRS, [])}, where, PlanError)
-    stairs = [_read_stair(one) for one in house.elements(STAIRS, "stair", MOST_STAIRS)]
+    stairs = [_read_stair(element) for element in house.elements(STAIRS, "stair", MOST_STAIRS)]
     return tuple(
         stair if stair.id else Stair(f"stair{index + 1}", *_rest(stair))
         for index, stair in enumerate(stairs)
@@ -88,19 +88,19 @@ def is_storeys(data: object) -> bool:
 def storeys_from_json(data: object, where: str = "plan") -> tuple[StoreyPlan, ...]:
     """The storeys of a house, the lowest first. Raises PlanError."""
     house = Element(data, where, PlanError)
-    found = []
-    for index, one in enumerate(house.elements(STOREYS, "storey", MOST_STOREYS, _NAME)):
-        plan = plan_from_json(one.rest((_NAME, _SHIFT)), f"{where}: storey {index + 1}")
-        shift = one.numbers(_SHIFT, 2) if one.has(_SHIFT) else None
-        found.append(
+    storeys = []
+    for index, element in enumerate(house.elements(STOREYS, "storey", MOST_STOREYS, _NAME)):
+        plan = plan_from_json(element.rest((_NAME, _SHIFT)), f"{where}: storey {index + 1}")
+        shift = element.numbers(_SHIFT, 2) if element.has(_SHIFT) else None
+        storeys.append(
             StoreyPlan(
-                plan, one.text(_NAME) if one.has(_NAME) else "",
+                plan, element.text(_NAME) if element.has(_NAME) else "",
                 (m_from_cm(shift[0]), m_from_cm(shift[1])) if shift else None,
             )
         )  # fmt: skip
-    if not found:
+    if not storeys:
         raise house.error("holds no storey", expected="one plan or more")
-    return tuple(found)
+    return tuple(storeys)
 
 
 def storeys_to_json(storeys: Sequence[StoreyPlan]) -> dict[str, Any]:

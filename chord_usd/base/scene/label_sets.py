@@ -63,14 +63,14 @@ def classes_of(label_set: str) -> dict[str, int]:
 
 
 def wikidata_item(label: str) -> str:
-    """The Wikidata item (Q and a number) of a label of ours. Raises KeyError for others."""
+    """The Wikidata item (Q and a number) of a label of this package. Raises KeyError for others."""
     return category_rows()[label]["wikidata"]
 
 
 def class_of(label: str, label_set: str) -> str | None:
-    """What a set calls a thing of this label of ours; None where it has nothing of the kind.
+    """The class of this label in a set; None where the set has nothing of the kind.
 
-    Labels that are not ours, such as of a stage that somebody else made, stand for themselves
+    Labels of others, such as of a stage that somebody else made, stand for themselves
     where the set has them.
     """
     row = category_rows().get(label)

@@ -11,7 +11,7 @@ from shapely import affinity
 from shapely.geometry import Point, Polygon, box
 
 _SHARE_OF_ROOM = 0.4
-"""Length and width of the panel over those of the room."""
+"""Length and width of the panel as a share of the room's."""
 
 _FROM_WALL_M = 0.1
 

@@ -46,7 +46,7 @@ PARTS = (1, 1000)
 """Plans of a sheet, storeys of a file."""
 
 MOST_STOREYS = 12
-"""Of one house: its walls and rooms are those of houses, not of towers."""
+"""Of one house: its walls and rooms suit houses, not towers."""
 
 MOST_STAIRS = 100
 """On one storey."""

@@ -110,15 +110,15 @@ def load_families(folder: Path | None = None) -> dict[str, Family]:
 
 @lru_cache(maxsize=8)
 def _load(folder: Path) -> dict[str, Family]:
-    found = [_read(file) for file in sorted(folder.glob(f"*/{FAMILY_FILE}"))]
-    if not found:
+    families = [_read(file) for file in sorted(folder.glob(f"*/{FAMILY_FILE}"))]
+    if not families:
         raise AssetError(
             "there are no families of looks here",
             where=str(folder),
             expected=f"folders that each hold a {FAMILY_FILE}",
             try_="the materials folder of the package",
         )
-    return {family.name: family for family in found}
+    return {family.name: family for family in families}
 
 
 def family_named(name: str, families: Mapping[str, Family] | None = None) -> Family:

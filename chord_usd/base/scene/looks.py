@@ -1,4 +1,4 @@
-"""Looks of walls and floors: material packages, and where those that a room may wear come from.
+"""Looks of walls and floors: material packages, and the sources of looks for a room.
 
 A look is a folder with look.json, a USD material package and its maps.
 """
@@ -47,7 +47,7 @@ class LookSource(Protocol):
     """Where the looks of a house come from."""
 
     def choices(self, part: Literal["floor", "wall"], room: Room, count: int) -> Sequence[Look]:
-        """Looks that this room may wear, at most count different ones, the worn one first."""
+        """Looks that suit this room, at most count different ones, the chosen look first."""
 
 
 def looks_in(folder: Path | None = None) -> list[Path]:

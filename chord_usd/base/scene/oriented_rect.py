@@ -81,9 +81,9 @@ class OrientedRect:
     def corners(self, quarter_turns: int = 0) -> FloatArray:
         """(4, 2) back left, front left, front right, back right of an item whose yaw is angle_deg
         plus these quarter turns."""
-        own = [(self.u0, self.v1), (self.u0, self.v0), (self.u1, self.v0), (self.u1, self.v1)]
+        local = [(self.u0, self.v1), (self.u0, self.v0), (self.u1, self.v0), (self.u1, self.v1)]
         first = quarter_turns % 4
-        return np.array(own[first:] + own[:first]) @ turn_matrix(self.angle_deg).T
+        return np.array(local[first:] + local[:first]) @ turn_matrix(self.angle_deg).T
 
     def grown(self, by: float) -> OrientedRect:
         """The same with every edge moved outwards."""

@@ -66,7 +66,7 @@ class Mount(Enum):
 
 
 THIN_M = 0.1
-"""A side that is usually as short is a pixel or two wide, which does not tell its length."""
+"""A side that is usually as short is a pixel or two wide, which does not show its length."""
 
 UNDERSIZED_SHARE = 0.7
 """What is shorter or narrower than this share of the smallest usual piece is too small for one."""

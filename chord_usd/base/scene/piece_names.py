@@ -22,12 +22,12 @@ def piece_named(name: str) -> str | None:
     for count in range(_MOST_WORDS, 0, -1):
         for start in range(len(words) - count + 1):
             joined = "".join(words[start : start + count])
-            found = _table().get(joined) or _table().get(joined.removesuffix("s"))
-            if found:
-                return found
+            category = _table().get(joined) or _table().get(joined.removesuffix("s"))
+            if category:
+                return category
     # Words are joined in some languages: "Duschkabine".
-    known = [one for one in _table() if len(one) >= _LEAST_PART
-             and any(word.startswith(one) or word.endswith(one) for word in words)]  # fmt: skip
+    known = [entry for entry in _table() if len(entry) >= _LEAST_PART
+             and any(word.startswith(entry) or word.endswith(entry) for word in words)]  # fmt: skip
     return _table()[max(known, key=len)] if known else None
 
 

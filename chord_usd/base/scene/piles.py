@@ -21,8 +21,8 @@ _AT_ONCE = 256
 
 
 def is_piled(items: Sequence[Item]) -> bool:
-    """Whether more pairs of items lie in one another than in any house; children among those of
-    their parent."""
+    """Whether more pairs of items lie in one another than in any house; children are compared with
+    children of the same parent."""
     groups = [items, *(item.children for item in items if len(item.children) > 1)]
     most = MOST_PAIRS + MOST_PAIRS_EACH * sum(map(len, groups))
     pairs = 0
@@ -42,7 +42,7 @@ def _pairs(items: Sequence[Item]) -> Iterator[int]:
     shapes = shapely.box(*corners.min(axis=1).T, *corners.max(axis=1).T)
     tree = shapely.STRtree(shapes)
     for begin in range(0, len(items), _AT_ONCE):
-        one, other = tree.query(shapes[begin : begin + _AT_ONCE])
-        one = one + begin
-        meets = (one < other) & (low_m[one] < top_m[other]) & (low_m[other] < top_m[one])
+        first, other = tree.query(shapes[begin : begin + _AT_ONCE])
+        first = first + begin
+        meets = (first < other) & (low_m[first] < top_m[other]) & (low_m[other] < top_m[first])
         yield int(meets.sum())

@@ -80,10 +80,10 @@ def posed(house: House, pose: Pose) -> House:
 def _posed_item(item: Item, pose: Pose) -> Item:
     # Children are posed in their parent's frame, which carries them: only what changes shapes
     # reaches them.
-    own = Pose(pose.mirrored, pose.scale)
+    child_pose = Pose(pose.mirrored, pose.scale)
     children = item.children
-    if own != Pose():
-        children = tuple(_posed_item(child, own) for child in children)
+    if child_pose != Pose():
+        children = tuple(_posed_item(child, child_pose) for child in children)
     return replace(item, box=pose.box(item.box), children=children)
 
 

@@ -23,7 +23,7 @@ ON_WALL_M = 0.15
 """An outer wall this near to the one below stands on it."""
 
 LEAST_ON_WALLS = 0.5
-"""Share of a storey's outer walls that must stand on those below where no stair tells how."""
+"""Share of a storey's outer walls that must stand on walls below where no stair aligns both."""
 
 _BETWEEN_M = 0.8
 """As wide is a party wall with a shaft in it."""
@@ -82,14 +82,14 @@ def register(
     if not tried:
         _refuse_other_stairs(climbs, where)
         tried = [_measured(below, above, shift, "outer walls") for shift in _shifts(below, above)]
-    best = max(tried, key=lambda one: (round(one.on_walls, 2), round(one.carried, 2),
-                                       -one.residual_m))  # fmt: skip
+    best = max(tried, key=lambda attempt: (round(attempt.on_walls, 2), round(attempt.carried, 2),
+                                       -attempt.residual_m))  # fmt: skip
     if best.by == "outer walls" and best.on_walls < _SURE:
-        told, fit = _why(below, above, best.on_walls)
+        hint, fit = _why(below, above, best.on_walls)
         if best.on_walls < LEAST_ON_WALLS or fit >= _SURE:
             raise PlanError(
-                f"only {best.on_walls:.0%} of its outer walls would stand on those of the storey "
-                f"below{told}",
+                f"only {best.on_walls:.0%} of its outer walls would stand on walls of the storey "
+                f"below{hint}",
                 where=where,
                 expected="storeys of one house, at one scale, north alike",
                 try_="a stair on both plans (docs/plans.md), or the right --scale",
@@ -110,14 +110,14 @@ def outline(plan: Plan) -> Polygon:
     return Polygon(largest.exterior)
 
 
-def _refused_unless_carried(found: Registration, where: str) -> Registration:
-    if found.carried < LEAST_CARRIED:
+def _refused_unless_carried(registration: Registration, where: str) -> Registration:
+    if registration.carried < LEAST_CARRIED:
         raise PlanError(
-            f"only {found.carried:.0%} of its floor would lie over the storey below",
+            f"only {registration.carried:.0%} of its floor would lie over the storey below",
             where=where,
             expected=f"at least {LEAST_CARRIED:.0%}, at one scale, north alike",
         )
-    return found
+    return registration
 
 
 def _apart(up: Stair, down: Stair) -> tuple[float, float]:
@@ -141,13 +141,13 @@ def _refuse_other_stairs(climbs: Sequence[tuple[Stair, Stair]], where: str) -> N
         ratios = np.array(up.box.size_m[:2]) / np.array(down.box.size_m[:2])
         turned = round(wrap_deg(up.box.yaw_deg - down.box.yaw_deg))
         even = abs(ratios[0] / ratios[1] - 1.0) < _SAME_SIZE
-        told = (
+        difference = (
             f"is turned by {turned} degrees" if abs(turned) > _SAME_YAW_DEG
             else f"is drawn at {1 / float(ratios.mean()):.2f} times the scale" if even
             else "has another shape"
         )  # fmt: skip
         raise PlanError(
-            f"its stair {down.id} {told} against stair {up.id} of the storey below",
+            f"its stair {down.id} {difference} against stair {up.id} of the storey below",
             where=where,
             expected="the same stair on both storeys",
         )
@@ -187,18 +187,18 @@ def _side_lines(shape: BaseGeometry, axis: int) -> list[tuple[float, float]]:
     """(coordinate, length) of the sides of an outline that run across an axis, and its bounds."""
     corners = np.asarray(shape.simplify(0.02).exterior.coords)
     ends = itertools.pairwise(corners)
-    found = [
+    lines = [
         (float(a[axis] + b[axis]) / 2, float(abs(a[1 - axis] - b[1 - axis])))
         for a, b in ends
         if abs(a[axis] - b[axis]) < 0.1 * abs(a[1 - axis] - b[1 - axis])
     ]
     bounds = shape.bounds
-    return [*found, (bounds[axis], 0.5), (bounds[axis + 2], 0.5)]
+    return [*lines, (bounds[axis], 0.5), (bounds[axis + 2], 0.5)]
 
 
 def _why(below: Polygon, above: Polygon, on_walls: float) -> tuple[str, float]:
     """What would make it fit better, for the message, and how well."""
-    best, told = max(on_walls + 0.2, 0.75), ""
+    best, hint = max(on_walls + 0.2, 0.75), ""
     for turn in (0.0, 90.0, 180.0, 270.0):
         turned = affinity.rotate(above, turn, origin=(0.0, 0.0))
         sizes = [np.subtract(shape.bounds[2:], shape.bounds[:2]) for shape in (below, turned)]
@@ -206,14 +206,16 @@ def _why(below: Polygon, above: Polygon, on_walls: float) -> tuple[str, float]:
             if not _TRIED_SCALES[0] <= scale <= _TRIED_SCALES[1]:
                 continue
             other = affinity.scale(turned, scale, scale, origin=(0.0, 0.0))
-            fit = max(_measured(below, other, one, "").on_walls for one in _shifts(below, other))
+            fit = max(
+                _measured(below, other, shift, "").on_walls for shift in _shifts(below, other)
+            )
             if fit > best:
                 parts = ([f"turned by {turn:.0f} degrees"] if turn else []) + (
                     [f"drawn {scale:.2f} times as large"] if abs(scale - 1.0) > 0.02 else []
                 )
                 if parts:
-                    best, told = fit, f"; {' and '.join(parts)}, {fit:.0%} would"
-    return told, best if told else on_walls
+                    best, hint = fit, f"; {' and '.join(parts)}, {fit:.0%} would"
+    return hint, best if hint else on_walls
 
 
 def _refuse_copy(
@@ -223,8 +225,8 @@ def _refuse_copy(
     if climbs or len(lower.rooms) != len(upper.rooms):
         return
     alike = [
-        one.kind == other.kind and _iou(room_polygon(one), room_polygon(other)) > _ALIKE
-        for one, other in zip(lower.rooms, upper.rooms, strict=True)
+        room.kind == other.kind and _iou(room_polygon(room), room_polygon(other)) > _ALIKE
+        for room, other in zip(lower.rooms, upper.rooms, strict=True)
     ]
     if all(alike) and len(lower.openings) == len(upper.openings):
         raise PlanError(
@@ -234,5 +236,5 @@ def _refuse_copy(
         )
 
 
-def _iou(one: BaseGeometry, other: BaseGeometry) -> float:
-    return float(one.intersection(other).area / max(one.union(other).area, 1e-9))
+def _iou(first: BaseGeometry, other: BaseGeometry) -> float:
+    return float(first.intersection(other).area / max(first.union(other).area, 1e-9))

@@ -84,19 +84,19 @@ def roof_planes(outline: BaseGeometry, form: RoofForm) -> list[RoofPlane]:
         return [RoofPlane(part, level, 0.0, 0.0, 0.0) for part in polygons_of(grown)]
     turn_deg = _walls_deg(polygons_of(grown))
     upright = rotate(grown, -turn_deg, origin=(0.0, 0.0))
-    found = []
+    planes = []
     for part in polygons_of(_straightened(polygons_of(upright), form)):
         eaves = [*_eaves(part)]
         areas = _areas(part, eaves)
         if form == "gable":
             _end_in_gables(eaves, areas)
-        found += [
-            _turned(RoofPlane(piece, own.inward, own.line_m, _SLOPE, -_SLOPE * reach_m), turn_deg)
-            for own, area in zip(eaves, areas, strict=True)
+        planes += [
+            _turned(RoofPlane(piece, eave.inward, eave.line_m, _SLOPE, -_SLOPE * reach_m), turn_deg)
+            for eave, area in zip(eaves, areas, strict=True)
             for piece in polygons_of(area)
             if piece.area > _LEAST_M2
         ]
-    return found
+    return planes
 
 
 def _turned(plane: RoofPlane, turn_deg: float) -> RoofPlane:
@@ -151,20 +151,20 @@ def _upright(ring: FloatArray) -> FloatArray:
     axis = np.where(np.abs(step[:, 0]) > np.abs(step[:, 1]), 1, 0)
     middle = ring + step / 2
     corners = []
-    for index, own in enumerate(axis):
+    for index, direction in enumerate(axis):
         corner, before = ring[index].copy(), index - 1
         corner[axis[before]] = middle[before, axis[before]]
-        if axis[before] == own:  # two in a row: a step between them
+        if axis[before] == direction:  # two in a row: a step between them
             corners.append(corner.copy())
-        corner[own] = middle[index, own]
+        corner[direction] = middle[index, direction]
         corners.append(corner)
     return np.round(np.array(corners) / _GRID_M) * _GRID_M
 
 
 def _clean(area: BaseGeometry) -> BaseGeometry:
     """The area on the grid, without corners in a line."""
-    found: BaseGeometry = shapely.set_precision(area, _GRID_M).simplify(_GRID_M / 2)
-    return found
+    cleaned: BaseGeometry = shapely.set_precision(area, _GRID_M).simplify(_GRID_M / 2)
+    return cleaned
 
 
 def _steps(parts: Sequence[Polygon]) -> Iterator[Polygon]:
@@ -209,17 +209,17 @@ def _eaves(part: Polygon) -> Iterator[_Eave]:
 
 def _areas(part: Polygon, eaves: Sequence[_Eave]) -> list[BaseGeometry]:
     """What of a roof each eave is nearest to."""
-    found = []
-    for index, own in enumerate(eaves):
-        area: BaseGeometry = _part_within(part, [_far(own, end, own) for end in _ENDS])
+    areas = []
+    for index, eave in enumerate(eaves):
+        area: BaseGeometry = _part_within(part, [_far(eave, end, eave) for end in _ENDS])
         for other in range(len(eaves)):
             if other != index and not area.is_empty:
-                nearer = _nearer(part, eaves[other], own, first=other < index)
+                nearer = _nearer(part, eaves[other], eave, first=other < index)
                 if nearer is not None:
                     area = _solid(shapely.difference(area, nearer, grid_size=_FINE_M))
         kept = [piece for piece in polygons_of(area) if piece.area > _LEAST_M2]
-        found.append(shapely.union_all(kept, grid_size=_FINE_M))
-    return found
+        areas.append(shapely.union_all(kept, grid_size=_FINE_M))
+    return areas
 
 
 _ENDS = ("behind", "ahead", "start", "end")
@@ -240,17 +240,17 @@ def _distance(eave: _Eave, end: str) -> _Linear:
     return along, -float(along @ eave.end_m)
 
 
-def _far(eave: _Eave, end: str, own: _Eave) -> _Linear:
+def _far(eave: _Eave, end: str, reference: _Eave) -> _Linear:
     """How much farther an eave is, by one of its functions, than another's line."""
     vector, added = _distance(eave, end)
-    return vector - own.inward, added + own.line_m
+    return vector - reference.inward, added + reference.line_m
 
 
-def _nearer(part: Polygon, other: _Eave, own: _Eave, *, first: bool) -> BaseGeometry | None:
+def _nearer(part: Polygon, other: _Eave, eave: _Eave, *, first: bool) -> BaseGeometry | None:
     """Where another eave is nearer than one's own; of two on one line, which is first."""
     limits = []
     for end in _ENDS:
-        vector, added = _far(other, end, own)
+        vector, added = _far(other, end, eave)
         if np.abs(vector).max() < _SAME_M and abs(added) < _SAME_M:
             if end != "ahead" or not first:
                 return None
@@ -290,16 +290,19 @@ def _solid(shape: BaseGeometry) -> BaseGeometry:
 
 def _end_in_gables(eaves: Sequence[_Eave], areas: list[BaseGeometry]) -> None:
     """Let the planes beside each triangular one go on to its eave, in place of it."""
-    for index, own in enumerate(eaves):
-        apex = _apex(areas[index], own)
+    for index, eave in enumerate(eaves):
+        apex = _apex(areas[index], eave)
         beside = [
-            next((other for other, one in enumerate(eaves) if _is_same(one, own, end)), None)
+            next(
+                (other for other, candidate in enumerate(eaves) if _is_same(candidate, eave, end)),
+                None,
+            )
             for end in ("start", "end")
         ]
         if apex is None or beside[0] is None or beside[1] is None:
             continue
-        foot = apex - own.inward * (apex @ own.inward - own.line_m)
-        for other, corner in zip(beside, (own.start_m, own.end_m), strict=True):
+        foot = apex - eave.inward * (apex @ eave.inward - eave.line_m)
+        for other, corner in zip(beside, (eave.start_m, eave.end_m), strict=True):
             assert other is not None
             areas[other] = shapely.union_all(
                 [areas[other], Polygon([corner, foot, apex])], grid_size=_FINE_M
@@ -307,19 +310,19 @@ def _end_in_gables(eaves: Sequence[_Eave], areas: list[BaseGeometry]) -> None:
         areas[index] = Polygon()
 
 
-def _is_same(one: _Eave, own: _Eave, end: str) -> bool:
+def _is_same(candidate: _Eave, eave: _Eave, end: str) -> bool:
     """Whether an eave is the next before or after one's own."""
-    ends = (one.end_m, own.start_m) if end == "start" else (one.start_m, own.end_m)
+    ends = (candidate.end_m, eave.start_m) if end == "start" else (candidate.start_m, eave.end_m)
     return bool(np.abs(ends[0] - ends[1]).max() < _SAME_M)
 
 
-def _apex(area: BaseGeometry, own: _Eave) -> FloatArray | None:
+def _apex(area: BaseGeometry, eave: _Eave) -> FloatArray | None:
     """(2,) top corner of a plane that is a triangle over the whole of its eave."""
     if not isinstance(area, Polygon) or area.is_empty or area.interiors:
         return None
     corners = np.asarray(area.simplify(1e-4).exterior.coords)[:-1]
-    ahead = corners @ own.inward - own.line_m
-    length = float(np.hypot(*(own.end_m - own.start_m)))
+    ahead = corners @ eave.inward - eave.line_m
+    length = float(np.hypot(*(eave.end_m - eave.start_m)))
     if len(corners) != 3 or abs(area.area - length * length / 4) > 1e-3 * area.area:
         return None
     return np.asarray(corners[int(ahead.argmax())])

@@ -1,5 +1,5 @@
-"""How large rooms of a kind usually are: what a drawing without measures is scaled by, and what
-tells a bedroom from a cupboard."""
+"""How large rooms of a kind usually are: they scale a drawing without measures, and
+distinguish a bedroom from a cupboard."""
 
 from __future__ import annotations
 

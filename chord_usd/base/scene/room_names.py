@@ -88,9 +88,9 @@ def _kinds(name: str) -> tuple[RoomKind, ...]:
     pieces = _pieces(folded)
     if any(piece.means == "not" for piece in pieces):
         return ()
-    told = [piece for piece in pieces if piece.means not in ("page", "of", "and", "part")]
-    letters = sum(piece.letters for piece in told)
-    known = sum(piece.letters for piece in told if piece.means)
+    content = [piece for piece in pieces if piece.means not in ("page", "of", "and", "part")]
+    letters = sum(piece.letters for piece in content)
+    known = sum(piece.letters for piece in content if piece.means)
     if not letters or known / letters < _LEAST_KNOWN:
         return ()
     kinds = {kind for part in _parts(pieces) for kind in _kinds_of_part(part)}
@@ -122,12 +122,12 @@ class _Piece:
 
 def _pieces(folded: str) -> list[_Piece]:
     """The words of a name in the order in which they are written."""
-    found: list[_Piece] = []
+    pieces: list[_Piece] = []
     end = 0
     for run in _UNBLANKED.finditer(folded):
-        found += [*_spaced(folded[end : run.start()]), *_unblanked(run[0])]
+        pieces += [*_spaced(folded[end : run.start()]), *_unblanked(run[0])]
         end = run.end()
-    return [*found, *_spaced(folded[end:])]
+    return [*pieces, *_spaced(folded[end:])]
 
 
 def _kinds_of_part(part: list[_Piece]) -> tuple[RoomKind, ...]:
@@ -179,11 +179,11 @@ def _tokens(text: str) -> list[str]:
     """Words without accents, numbers as "#", separators; abbreviations keep their point."""
     # w.c., A/C, с/у
     joined = re.sub(r"\b([^\W\d_])[./]\s?(?=[^\W\d_]\b)", r"\1", plain(text))
-    found = [part for match in _TOKEN.finditer(joined) for part in _unnumbered(match[0])]
-    words = [token for token in found if not _is_sign(token)]
+    tokens = [part for match in _TOKEN.finditer(joined) for part in _unnumbered(match[0])]
+    words = [token for token in tokens if not _is_sign(token)]
     if len(words) > 3 and all(len(word.rstrip(".")) == 1 for word in words):
         return ["".join(word.rstrip(".") for word in words)]  # K I T C H E N
-    return found
+    return tokens
 
 
 def _unnumbered(token: str) -> list[str]:
@@ -258,8 +258,8 @@ def _compound(word: str) -> list[Word]:
             for place in (end, *(end + long for long in links if end + long < len(word))):
                 if place not in ways or len(ways[start]) + 1 < len(ways[place]):
                     ways[place] = [*ways[start], known]
-    found = ways.get(len(word), [])
-    return found if any(part.is_room and part.where != "alone" for part in found) else []
+    parts = ways.get(len(word), [])
+    return parts if any(part.is_room and part.where != "alone" for part in parts) else []
 
 
 def _misread(word: str) -> Word | None:

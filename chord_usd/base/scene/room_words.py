@@ -79,13 +79,13 @@ class _Words:
     @cached_property
     def exact(self) -> dict[str, Word]:
         """By spelling, without accents and blanks; "ü" may be spelt "ue"."""
-        found: dict[str, Word] = {}
+        by_spelling: dict[str, Word] = {}
         for word in self._all:
             if word.where != "han" and word.means not in ("and", "of"):
                 bare = word.text.replace("_", "").replace("'", "")
                 for spelt in (bare, bare.translate(_SPELT_OUT)):
-                    found.setdefault(plain(spelt), word)
-        return found
+                    by_spelling.setdefault(plain(spelt), word)
+        return by_spelling
 
     @cached_property
     def roles(self) -> dict[str, str]:

@@ -52,7 +52,7 @@ class Option:
     decides_models: bool = False
     """Whether other networks or meshes are loaded for another value."""
     faces: tuple[str, ...] = ()
-    """Those of FACES that offer it."""
+    """Members of FACES that offer it."""
 
     def refuse(self, value: object) -> None:
         """Raises ChordError for a value out of range."""

@@ -96,8 +96,8 @@ OWN_SKY_RADIANCE = 4.5
 def sky_named(name: str) -> Sky:
     """The sky of this name, or one of a picture's file; "" for the usual one by day.
 
-    Raises ChordError for an unknown name and a file that is not there; whether a file holds a
-    picture, hdri.require_picture tells.
+    Raises ChordError for an unknown name and a file that is not there; hdri.require_picture
+    checks whether a file holds a picture.
     """
     names = [sky.name for sky in SKIES]
     if not name:

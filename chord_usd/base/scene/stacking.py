@@ -45,13 +45,13 @@ def stack(given: Sequence[StoreyPlan]) -> Building:
     placed, stairs, registered = _placed(given)
     plans, climbs, warnings = list(placed), [], []
     for low in range(len(plans) - 1):
-        found = list(_climbs(stairs[low], stairs[low + 1]))
-        if not found:
-            found, why = _from_drawings(given, registered, low, (plans[low], plans[low + 1]))
+        stairs_up = list(_climbs(stairs[low], stairs[low + 1]))
+        if not stairs_up:
+            stairs_up, why = _from_drawings(given, registered, low, (plans[low], plans[low + 1]))
             warnings += why
-        if not found:
+        if not stairs_up:
             warnings.append(f"no stair joins {_title(given, low)} and {_title(given, low + 1)}")
-        for stair in found:
+        for stair in stairs_up:
             try:
                 built = build_stair(stair, STOREY_M)
                 plans[low], foot = with_cell(plans[low], built, above=False)
@@ -66,10 +66,10 @@ def stack(given: Sequence[StoreyPlan]) -> Building:
                     f"the landing above stair {stair.id} on {_title(given, low + 1)} is "
                     f"{depth_m:.2f} m deep, less than {LEAST_LANDING_M:.2f} m"
                 )
-    warnings += unused_warnings([one.id for one in stairs[-1] if one.leads == "up"])
+    warnings += unused_warnings([stair.id for stair in stairs[-1] if stair.leads == "up"])
     storeys = tuple(
-        Storey(index, _title(given, index), with_own_room_ids(plan, index), index * STOREY_M, found)
-        for index, (plan, found) in enumerate(zip(plans, registered, strict=True))
+        Storey(index, _title(given, index), with_own_room_ids(plan, index), index * STOREY_M, fit)
+        for index, (plan, fit) in enumerate(zip(plans, registered, strict=True))
     )
     return Building(storeys, tuple(climbs), tuple(warnings))
 
@@ -88,40 +88,40 @@ def _placed(
     """Plans and stairs in the frame of the lowest, each registered to the one below."""
     plans, stairs = [given[0].plan], [list(stairs_of(given[0].plan, _title(given, 0)))]
     registered: list[Registration | None] = [None]
-    for index, own in enumerate(given[1:], start=1):
+    for index, storey in enumerate(given[1:], start=1):
         title = _title(given, index)
-        shown = stairs_of(own.plan, title)
+        shown = stairs_of(storey.plan, title)
         pairs = [
             (up, down)
             for up in stairs[-1] if up.leads == "up"
             for down in shown if down.leads == "down"
         ]  # fmt: skip
-        found = register(plans[-1], own.plan, pairs, own.shift_m, title)
-        pose = Pose(offset_m=found.shift_m)
-        registered.append(found)
-        plans.append(posed(own.plan, pose))
-        stairs.append([replace(one, box=pose.box(one.box)) for one in shown])
+        fit = register(plans[-1], storey.plan, pairs, storey.shift_m, title)
+        pose = Pose(offset_m=fit.shift_m)
+        registered.append(fit)
+        plans.append(posed(storey.plan, pose))
+        stairs.append([replace(stair, box=pose.box(stair.box)) for stair in shown])
     return plans, stairs, registered
 
 
 def _climbs(below: Sequence[Stair], above: Sequence[Stair]) -> list[Stair]:
     """The stairs up from a storey. What both storeys show must be at one place."""
-    downs = [one for one in above if one.leads == "down"]
-    found = []
-    for up in (one for one in below if one.leads == "up"):
-        near = [one for one in downs if _apart_m(up, one) <= _SAME_PLACE_M]
+    downs = [stair for stair in above if stair.leads == "down"]
+    ups = []
+    for up in (stair for stair in below if stair.leads == "up"):
+        near = [stair for stair in downs if _apart_m(up, stair) <= _SAME_PLACE_M]
         if downs and not near:
             raise PlanError(
                 f"stair {up.id} leads nowhere: the storey above shows stairs "
-                f"{min(_apart_m(up, one) for one in downs):.1f} m away",
+                f"{min(_apart_m(up, stair) for stair in downs):.1f} m away",
                 expected="the same stair on both storeys",
             )
-        found.append(up)
-    return found
+        ups.append(up)
+    return ups
 
 
-def _apart_m(one: Stair, other: Stair) -> float:
-    (x, y, _), (u, v, _) = one.box.center_m, other.box.center_m
+def _apart_m(stair: Stair, other: Stair) -> float:
+    (x, y, _), (u, v, _) = stair.box.center_m, other.box.center_m
     return float(((x - u) ** 2 + (y - v) ** 2) ** 0.5)
 
 
@@ -135,8 +135,8 @@ def _from_drawings(
     where there is none."""
     shown = []
     for index in (low, low + 1):
-        found = registered[index]
-        shown.append(drawn_stairs(given[index].plan, found.shift_m if found else (0.0, 0.0)))
+        fit = registered[index]
+        shown.append(drawn_stairs(given[index].plan, fit.shift_m if fit else (0.0, 0.0)))
     areas = sorted(seen_on_both(*shown), key=lambda area: -area.area)
     if not areas and all(shown):
         pair = f"{_title(given, low)} and {_title(given, low + 1)}"

@@ -132,11 +132,15 @@ def with_wells(plan: Plan, stairs: Sequence[Polygon]) -> Plan:
         if is_empty or main.kind not in _WITH_STAIRS or well.area < _LEAST_WELL_M2:
             continue
         beside = _left_of(main, area)
-        own = [one for one in plan.openings if main.id in one.room_ids and one.kind != "window"]
+        doors = [
+            opening
+            for opening in plan.openings
+            if main.id in opening.room_ids and opening.kind != "window"
+        ]
         if not beside:
             rooms = [_marked(room) if room is main else room for room in plan.rooms]
             plan = replace(plan, rooms=tuple(rooms))
-        elif len(beside) == 1 and all(_opens_onto(one, beside[0], area) for one in own):
+        elif len(beside) == 1 and all(_opens_onto(opening, beside[0], area) for opening in doors):
             corners = _corners(_inside(area, main))
             cell = Room(_free_id(plan, f"{main.id}_stairs"), "corridor", corners, "Stairs", _CELL)
             rooms = [part for room in plan.rooms for part in _cut(room, room_polygon(cell))]
@@ -189,14 +193,16 @@ def _joined(plan: Plan, cell: Cell, built: BuiltStair, above: bool) -> tuple[Pla
     if beyond is not None and room_polygon(beyond).distance(edge.centroid) < _TOUCH_M:
         name = f"{built.stair.id}_{'top' if above else 'foot'}"
         opening = _passage(name, _open_part(edge, plan.room(cell.room), beyond), cell.room, beyond)
-        added = () if any(_is_known(opening, one) for one in plan.openings) else (opening,)
+        added = (
+            () if any(_is_known(opening, existing) for existing in plan.openings) else (opening,)
+        )
         plan = replace(plan, openings=(*plan.openings, *added))
         return _as_landing(plan, beyond.id), replace(cell, joined=beyond.id)
     for opening in plan.openings:
         joins = opening.kind != "window" and len(opening.room_ids) > 1
         near = Point(opening.box.center_m[:2]).distance(edge) < 2 * WALL_THICKNESS_M
         if joins and near and cell.room in opening.room_ids:
-            joined = next(one for one in opening.room_ids if one != cell.room)
+            joined = next(room_id for room_id in opening.room_ids if room_id != cell.room)
             return _as_landing(plan, joined), replace(cell, joined=joined)
     raise PlanError(
         f"stair {built.stair.id} leads nowhere: its {'top' if above else 'foot'} ends at a wall",
@@ -225,7 +231,9 @@ def _open_part(edge: LineString, cell: Room, beyond: Room) -> LineString:
     passage that does would count as one through these."""
     near = edge.buffer(_TOUCH_M, cap_style="flat")
     floor = [room_polygon(room).intersection(near) for room in (cell, beyond)]
-    spans = [sorted(edge.project(Point(at)) for at in get_coordinates(one)) for one in floor if one]
+    spans = [
+        sorted(edge.project(Point(at)) for at in get_coordinates(part)) for part in floor if part
+    ]
     if len(spans) < 2:
         return edge
     low, high = max(span[0] for span in spans), min(span[-1] for span in spans)

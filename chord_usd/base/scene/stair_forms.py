@@ -33,7 +33,7 @@ from chord_usd.base.scene.storeys import (
 from chord_usd.base.scene.types import FloatArray
 
 _L_WIDTH_M = 0.95
-"""Of the flights of an L, whose box does not tell it; less where the box is narrower."""
+"""Of the flights of an L, whose box does not give it; less where the box is narrower."""
 
 _TOO_SMALL: dict[StairForm, str] = {
     "L": "its flights would be too narrow, or its turn too short",
@@ -84,7 +84,7 @@ class BuiltStair:
             if tread.edges_m is None and tread.top_m <= self.ceiling_m - HEADROOM_M + 1e-6
         ]  # fmt: skip
         area = self._own_area
-        grown = [one.buffer(1e-6, join_style="mitre") for one in low]
+        grown = [area.buffer(1e-6, join_style="mitre") for area in low]
         open_m = remove_repeated_points(area.difference(unary_union(grown)), 1e-6)
         return self._in_world(open_m.buffer(_CLEAR_M, join_style="mitre").intersection(area))
 
@@ -129,29 +129,29 @@ class BuiltStair:
     @property
     def _steps_m(self) -> Polygon:
         """What lies below treads and landings, and between them, in its own frame."""
-        own = unary_union([tread.area_m.buffer(1e-6) for tread in self.treads])
-        return Polygon(own.exterior)
+        union = unary_union([tread.area_m.buffer(1e-6) for tread in self.treads])
+        return Polygon(union.exterior)
 
     @property
     def _own_area(self) -> Polygon:
-        own = self._steps_m
+        area = self._steps_m
         if self.is_spiral:
-            return own.buffer(RIM_M, join_style="mitre").envelope
+            return area.buffer(RIM_M, join_style="mitre").envelope
         if self.stair.form == "U":
-            return own.envelope
+            return area.envelope
         if self.stair.form == "winder_U":
             first, last = self.flights
             x, half = first.end_m[0], first.width_m / 2
             aside = 1.0 if last.start_m[0] > x else -1.0
             well = sorted((x + aside * half, last.start_m[0] - aside * half))
             front = max(first.start_m[1], last.end_m[1])
-            own = own.union(box(well[0], front, well[1], self.stair.box.size_m[1] / 2 - 1e-6))
-            return Polygon(own.exterior)
-        return own
+            area = area.union(box(well[0], front, well[1], self.stair.box.size_m[1] / 2 - 1e-6))
+            return Polygon(area.exterior)
+        return area
 
-    def _in_world(self, own: BaseGeometry) -> Polygon:
+    def _in_world(self, local: BaseGeometry) -> Polygon:
         """Its largest part, to a tenth of a millimetre."""
-        part = max(polygons_of(own), key=lambda one: one.area)
+        part = max(polygons_of(local), key=lambda polygon: polygon.area)
         tidy = part.simplify(1e-5)
         return Polygon(to_world(self.stair.box, np.asarray(tidy.exterior.coords)[:-1]).round(4))
 
@@ -169,11 +169,11 @@ class BuiltStair:
     def stepped_m(self) -> tuple[list[LineString], list[LineString]]:
         """The edges in the world over which one steps on below, and off above: of the stair, and
         of the treads of a spiral one, which begin and end within it."""
-        found = [self.departure_m], [self.arrival_m]
+        edges = [self.departure_m], [self.arrival_m]
         if self.is_spiral:
-            for ways, tread, at in ((found[0], self.treads[0], 0), (found[1], self.treads[-2], 1)):
+            for ways, tread, at in ((edges[0], self.treads[0], 0), (edges[1], self.treads[-2], 1)):
                 ways.append(LineString(to_world(self.stair.box, tread.edges_m[at].coords)))  # type: ignore[index]
-        return found
+        return edges
 
     @property
     def walk_m(self) -> FloatArray:
@@ -194,11 +194,11 @@ def build_stair(stair: Stair, height_m: float) -> BuiltStair:
     width_m, depth_m = stair.box.size_m[:2]
     rule = stair.rule
     layouts = list(_layouts(stair.form, width_m, depth_m, height_m, rule))
-    fitting = [one for one in layouts if one.going_m >= rule.going_m[0] - 1e-6]
+    fitting = [layout for layout in layouts if layout.going_m >= rule.going_m[0] - 1e-6]
     if not fitting:
         raise PlanError(
             f"a {stair.form} stair of {width_m:.2f} by {depth_m:.2f} m cannot rise {height_m:.2f} m"
-            + (f": its steps would be {max(one.going_m for one in layouts) * 100:.0f} cm deep"
+            + (f": its steps would be {max(layout.going_m for layout in layouts) * 100:.0f} cm deep"
                if layouts else f": {_TOO_SMALL.get(stair.form, _TOO_SMALL['L'])}"),
             where=stair.id,
             expected=f"rises of {rule.rise_m[0] * 100:.0f} to {rule.rise_m[1] * 100:.0f} cm, "
@@ -206,7 +206,7 @@ def build_stair(stair: Stair, height_m: float) -> BuiltStair:
             f"{rule.width_m * 100:.0f} cm or more"
             + (f": a square of {least_square_m(height_m):.2f} m" if stair.form == "spiral" else ""),
         )  # fmt: skip
-    best = min(fitting, key=lambda one: (_strain(one, height_m), one.risers))
+    best = min(fitting, key=lambda layout: (_strain(layout, height_m), layout.risers))
     rise_m = height_m / best.risers
     flights, others, turn = best.drawn(rise_m)
     treads = sorted([*_steps(flights, rise_m), *others], key=lambda tread: tread.top_m)
@@ -324,7 +324,7 @@ _LAYOUTS: dict[StairForm, Callable[[float, float, int, StairRule], Iterator[_Div
 def _layouts(
     form: StairForm, width_m: float, depth_m: float, height_m: float, rule: StairRule
 ) -> Iterator[_Division]:
-    """All divisions of a box. Those of a spiral stair need to know how much lies a turn below."""
+    """All divisions of a box. A spiral stair's depend on how much lies a turn below."""
     for risers in _risers(height_m, rule):
         if form == "spiral":
             yield from spirals(width_m, depth_m, risers, height_m)

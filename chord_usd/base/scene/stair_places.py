@@ -88,9 +88,9 @@ class StairShape:
     up: FloatArray | None = None
     """(2,) unit vector from its lowest steps to its highest; None where the file does not say."""
     ends: tuple[FloatArray, FloatArray] | None = None
-    """(2,) middles of its lowest and its highest steps, where the file tells them."""
+    """(2,) middles of its lowest and its highest steps, where the file gives them."""
     forms: tuple[StairForm, ...] = ()
-    """Those that the file speaks of; none where it does not say."""
+    """Forms that the file names; none where it names none."""
     others: bool = True
     """Whether other forms are tried, too."""
     rule: StairRule = TO_RULE
@@ -98,11 +98,11 @@ class StairShape:
 
 def drawn_stairs(plan: Plan, shift_m: tuple[float, float] = (0.0, 0.0)) -> list[Polygon]:
     """The stairs seen on a plan's picture, in metres, moved by a shift."""
-    found = []
+    outlines = []
     for corners in plan.extra.get(DRAWN_STAIRS, ()):
         points = np.array([[m_from_cm(x), m_from_cm(y)] for x, y in corners]) + shift_m
-        found.append(Polygon(points).buffer(0))
-    return found
+        outlines.append(Polygon(points).buffer(0))
+    return outlines
 
 
 def seen_on_both(below: Sequence[Polygon], above: Sequence[Polygon]) -> list[Polygon]:
@@ -119,16 +119,16 @@ def seen_on_both(below: Sequence[Polygon], above: Sequence[Polygon]) -> list[Pol
 
 
 def _together(low: Polygon, high: Polygon) -> Polygon:
-    turning = [one for one in (low, high) if is_round(one) or _is_square(one)]
+    turning = [outline for outline in (low, high) if is_round(outline) or _is_square(outline)]
     if turning:
-        return min(turning, key=lambda one: one.area)
+        return min(turning, key=lambda outline: outline.area)
     around = low.union(high).minimum_rotated_rectangle
     frame = _frame_of(around)
     (length, width, _), shown = frame.size_m, []
     if length < _LONG * width:
         return low.union(high).convex_hull
-    for one in (low, high):
-        across = to_own(frame, np.asarray(one.exterior.coords))[:, 1]
+    for outline in (low, high):
+        across = to_own(frame, np.asarray(outline.exterior.coords))[:, 1]
         shown.append((float(across.min()), float(across.max())))
     near, far = max(span[0] for span in shown), min(span[1] for span in shown)
     corners = [(-length / 2, near), (length / 2, near), (length / 2, far), (-length / 2, far)]
@@ -262,7 +262,9 @@ def placed_stair(
     rooms that it stands in; None takes it as it is."""
     best: tuple[float, Stair] | None = None
     for stair in (
-        grown for one in _candidates(shape, name) for grown in _grown(one, more_m, height_m)
+        grown
+        for candidate in _candidates(shape, name)
+        for grown in _grown(candidate, more_m, height_m)
     ):
         if best is not None and (shape.ends is None or stair.form != best[1].form):
             break
@@ -341,8 +343,8 @@ def _off_m(built: BuiltStair, shape: StairShape) -> float:
     places = [built.departure_m, built.arrival_m]
     if built.is_spiral:  # its edges say less than where its lowest and its highest treads lie
         share = _END_SHARE * built.height_m
-        lowest = [one.area_m for one in built.treads if one.top_m <= share]
-        highest = [one.area_m for one in built.treads if one.top_m >= built.height_m - share]
+        lowest = [tread.area_m for tread in built.treads if tread.top_m <= share]
+        highest = [tread.area_m for tread in built.treads if tread.top_m >= built.height_m - share]
         middles = [unary_union(areas).centroid.coords[0] for areas in (lowest, highest)]
         places = [Point(at) for at in to_world(built.stair.box, middles)]
     return sum(place.distance(Point(end)) for place, end in zip(places, shape.ends, strict=True))
@@ -369,7 +371,7 @@ def _candidates(shape: StairShape, name: str) -> Iterator[Stair]:
     if is_round(shape.area):  # nothing says how its square lies: as most walls do
         side_m = round(float(np.sqrt(frame.size_m[0] * frame.size_m[1])), 3)
         frame = Box(frame.center_m, (side_m, side_m, 1.0), 0.0)
-    others = [one for one in _likely(shape) if one not in shape.forms] if shape.others else []
+    others = [form for form in _likely(shape) if form not in shape.forms] if shape.others else []
     for form, quarter in itertools.product((*shape.forms, *others), range(4)):
         width, depth = frame.size_m[:2] if quarter % 2 == 0 else frame.size_m[1::-1]
         if form == "spiral":

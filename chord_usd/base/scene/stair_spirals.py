@@ -72,8 +72,8 @@ class SpiralLayout:
         step_deg = self.turn_deg / (self.risers - 1)
 
         def tops(at_deg: FloatArray) -> FloatArray:
-            found: FloatArray = np.clip(np.floor(at_deg / step_deg) + 1, 0, self.risers)
-            return rise_m * found
+            steps: FloatArray = np.clip(np.floor(at_deg / step_deg) + 1, 0, self.risers)
+            return rise_m * steps
 
         below = np.arange(-_SIXTH_DEG + 0.25, self.turn_deg, 0.5)
         below = below[below + 360.0 < self.turn_deg + _SIXTH_DEG]
@@ -137,8 +137,10 @@ def spirals(width_m: float, depth_m: float, risers: int, height_m: float) -> Ite
 def least_spiral_m(height_m: float, risers: range) -> float:
     """Side of the least square, to a centimetre, in which a spiral stair to rule rises so much."""
     for side_m in np.arange(2 * (LEAST_WIDTH_M + POLE_M + RIM_M), _LARGEST_M, 0.01).round(2):
-        layouts = (one for count in risers for one in spirals(side_m, side_m, count, height_m))
-        if any(one.going_m >= GOING_M[0] - 1e-6 for one in layouts):
+        layouts = (
+            layout for count in risers for layout in spirals(side_m, side_m, count, height_m)
+        )
+        if any(layout.going_m >= GOING_M[0] - 1e-6 for layout in layouts):
             return float(side_m)
     return _LARGEST_M
 

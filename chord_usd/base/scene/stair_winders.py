@@ -2,7 +2,7 @@
 
 Rule: Approved Document K to the Building Regulations of England (2013), 1.25 to 1.27. The going of
 tapered treads is measured on the walking line, which is the middle of a flight less than 1 m wide;
-all goings on it are alike, those of the flights before and after the turn included; at the narrow
+all goings on it are alike, in the flights before and after the turn, too; at the narrow
 end, by the newel, a tread is 5 cm wide or more.
 
 Edges of treads run from the newel's side through the walking line to the outer side. Both lines are
@@ -134,15 +134,15 @@ class WinderLayout:
         """Of all tapered treads, from the inner side to the outer."""
         walk, inner, outer = map(LineString, self._lines)
         reach = 4 * self.flight_m
-        found = []
+        lines = []
         for share in np.linspace(0.0, 1.0, self.tapered + 1):
             near = np.array(inner.interpolate(share, normalized=True).coords[0])
             middle = np.array(walk.interpolate(share, normalized=True).coords[0])
             ahead = (middle - near) / np.hypot(*(middle - near))
             met = LineString([near, near + ahead * reach]).intersection(outer)
             far = met if isinstance(met, Point) else Point(outer.interpolate(share, True))
-            found.append(LineString([near, far.coords[0]]))
-        return found
+            lines.append(LineString([near, far.coords[0]]))
+        return lines
 
     def _tapered(self) -> Iterator[tuple[Polygon, tuple[LineString, LineString]]]:
         """Area of each tapered tread, and the edges over which one steps on and off."""
@@ -151,7 +151,7 @@ class WinderLayout:
         for edge, other in pairwise(edges):
             sides = []
             for line, end in ((inner, 0), (outer, -1)):
-                low, high = (line.project(Point(one.coords[end])) for one in (edge, other))
+                low, high = (line.project(Point(riser.coords[end])) for riser in (edge, other))
                 sides.append(list(substring(line, low, high).coords)[1:-1])
             ring = [*edge.coords, *sides[1], *other.coords[::-1], *sides[0][::-1]]
             yield orient(remove_repeated_points(Polygon(ring), 1e-6)), (edge, other)
@@ -208,14 +208,14 @@ def _widest(
         return
     short: list[WinderLayout] = []
     for wide in sorted({min(most_m, wide) for wide in _WIDTHS_M}, reverse=True):
-        long = [one for one in divided(wide) if one.early_m >= 0.0]
-        fit = [one for one in long if one.going_m >= rule.going_m[0] - 1e-6]
+        long = [layout for layout in divided(wide) if layout.early_m >= 0.0]
+        fit = [layout for layout in long if layout.going_m >= rule.going_m[0] - 1e-6]
         short += long
-        sound = [one for one in fit if one.narrow_m >= NARROW_M - 1e-6]
+        sound = [layout for layout in fit if layout.narrow_m >= NARROW_M - 1e-6]
         if sound:
             yield from sound
             return
-    yield from (one for one in short if one.going_m < rule.going_m[0] - 1e-6)
+    yield from (layout for layout in short if layout.going_m < rule.going_m[0] - 1e-6)
 
 
 def _well_m(width_m: float, wide: float) -> float:

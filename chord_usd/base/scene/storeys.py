@@ -176,7 +176,7 @@ def storey_title(index: int) -> str:
 
 
 def one_storey(given: StoreyPlan) -> Building:
-    """A house of one storey; stairs that it shows lead nowhere, those of a drawing stay empty.
+    """A house of one storey; stairs that it shows lead nowhere, and stairs of a drawing stay empty.
     Raises PlanError."""
     from chord_usd.base.scene.stair_cells import with_wells
     from chord_usd.base.scene.stair_places import drawn_stairs
@@ -202,11 +202,11 @@ def with_own_room_ids(plan: Plan, index: int) -> Plan:
     if not prefix:
         return plan
 
-    def opening(one: Opening) -> Opening:
-        return replace(one, id=prefix + one.id, room_ids=tuple(prefix + i for i in one.room_ids))
+    def opening(old: Opening) -> Opening:
+        return replace(old, id=prefix + old.id, room_ids=tuple(prefix + i for i in old.room_ids))
 
-    def room(one: Room) -> Room:
-        return replace(one, id=prefix + one.id)
+    def room(old: Room) -> Room:
+        return replace(old, id=prefix + old.id)
 
     return replace(
         plan, rooms=tuple(map(room, plan.rooms)), openings=tuple(map(opening, plan.openings))
@@ -218,10 +218,10 @@ def with_own_ids(graph: SceneGraph, prefix: str) -> SceneGraph:
     if not prefix:
         return graph
 
-    def item(one: Item) -> Item:
-        rests = one.facts.rests_on
-        own = one.found(rests_on=prefix + rests) if rests else one
-        return replace(own, id=prefix + own.id, children=tuple(map(item, own.children)))
+    def item(old: Item) -> Item:
+        rests = old.facts.rests_on
+        moved = old.with_facts(rests_on=prefix + rests) if rests else old
+        return replace(moved, id=prefix + moved.id, children=tuple(map(item, moved.children)))
 
     return replace(
         graph, items=tuple(map(item, graph.items)), dressing=tuple(map(item, graph.dressing))

@@ -45,14 +45,14 @@ _SHADES: dict[str, frozenset[str]] = {
 """An accent and the words that are as much as it."""
 
 _ACCENTED = frozenset({"cushion", "throw", "towel", "vase", "rug", "bath_mat", "armchair", "pouf"})
-"""Categories that wear the accent of a home."""
+"""Categories that show the accent of a home."""
 
 
 @lru_cache(maxsize=4096)
 def kind_of(finish: str) -> Kind:
     """What a finish is made of, by the words of its name."""
     words = set(finish.split("_"))
-    return next((kind for kind, own in _WORDS.items() if own & words), "other")
+    return next((kind for kind, names in _WORDS.items() if names & words), "other")
 
 
 def suitability(
@@ -60,7 +60,7 @@ def suitability(
 ) -> float:
     """How well a colourway with these finishes suits a home of a style; more is better.
 
-    category: of the piece; cushions, throws and the like wear the accent.
+    category: of the piece; cushions, throws and the like show the accent.
     """
     return sum(_suits(finish, style, home, category in _ACCENTED) for finish in finishes)
 
@@ -101,7 +101,7 @@ def _rank(finish: str, agreed: str, liked: Sequence[str], *, best: float, strang
 def _coloured(
     finish: str, agreed: str, liked: Sequence[str], home: Agreed, accented: bool, style: HomeStyle
 ) -> float:
-    """Textiles and lacquers, of which some wear the home's accent."""
+    """Textiles and lacquers, of which some show the home's accent."""
     if shows(finish, home.accent):
         return 3.0 if accented else 0.6
     neutral = _rank(finish, agreed, liked, best=2.0, strange=-1.0)
@@ -111,5 +111,5 @@ def _coloured(
 
 
 def shows(finish: str, accent: str) -> bool:
-    """Whether the name of a finish tells of this accent colour."""
+    """Whether the name of a finish names this accent colour."""
     return not _SHADES.get(accent, frozenset({accent})).isdisjoint(finish.split("_"))

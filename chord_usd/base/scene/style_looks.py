@@ -1,4 +1,4 @@
-"""Which looks of floors and walls each style wears: families and ranges of their parameters.
+"""Looks of floors and walls of each style: families and ranges of their parameters.
 
 Sizes that come in steps are words: a pair of numbers would be a range.
 """
@@ -39,7 +39,7 @@ GROUP_OF: dict[RoomKind, str] = {
     "kitchen": "kitchen", "bathroom": "bathroom", "balcony": "balcony",
     "washroom": "bathroom", "wc": "bathroom",
 }  # fmt: skip
-"""Rooms of a group wear the same looks."""
+"""Rooms of a group have the same looks."""
 
 Looks = Mapping[str, Mapping[str, Sequence[Ranges]]]
 """Style, group of rooms, families."""
@@ -371,7 +371,7 @@ ACCENT_LOOKS: Looks = {
         ("japanese", _JAPANESE_ACCENTS),
     )
 }  # fmt: skip
-"""What walls wear that differ from those of the house."""
+"""Looks of walls that differ from the house's walls."""
 
 PAINTS: dict[str, tuple[str, str, str]] = {
     "teal": ("#b9cccb", "#5f8385", "#2f5256"),

@@ -1,4 +1,4 @@
-"""Which look a room of a home wears: families and parameters, drawn from the ranges of its style.
+"""The look of a room of a home: family and parameters, sampled from the ranges of its style.
 
 Rooms agree since all draws of a home share their numbers: two rooms that may have planks have the
 same ones.
@@ -57,12 +57,12 @@ def _drawn(
         enumerate(looks),
         key=lambda entry: -(share(f"{key}/{_name(entry[1], looks)}") ** (1.0 / entry[1].weight)),
     )
-    found = [
+    settled = [
         _settled(ranges, style, seed, f"{key}/{_name(ranges, looks)}/{again}")
         for again in range(count if looks else 0)
         for _, ranges in order
     ]
-    return _different(found, count)
+    return _different(settled, count)
 
 
 def _name(ranges: Ranges, looks: Sequence[Ranges]) -> str:
@@ -72,11 +72,11 @@ def _name(ranges: Ranges, looks: Sequence[Ranges]) -> str:
 
 
 def _different(looks: Sequence[Wanted], count: int) -> list[Wanted]:
-    found: list[Wanted] = []
+    distinct: list[Wanted] = []
     for look in looks:
-        if look not in found:
-            found.append(look)
-    return found[:count]
+        if look not in distinct:
+            distinct.append(look)
+    return distinct[:count]
 
 
 def _settled(ranges: Ranges, style: HomeStyle, seed: int, key: str) -> Wanted:

@@ -1,7 +1,7 @@
 """The styles of a home: which materials, textiles, lamps and forms agree with each other.
 
-Names of finishes are those of assets.finishes and of the dressing's own, in the order in which a
-style likes them. A home wears one wood, one metal and one accent colour of its style throughout
+Finishes are named as in assets.finishes and the dressing, in the order in which a style likes
+them. A home has one wood, one metal and one accent colour of its style throughout
 (`HomeStyle.agreed`).
 """
 
@@ -59,12 +59,12 @@ class HomeStyle:
     rugs: tuple[str, ...] = ("Rug",)
     """First words of the rugs' assets, best first."""
     accent_walls: float = 0.4
-    """Share of the rooms one lives and sleeps in whose walls differ from those of the house."""
+    """Share of the rooms one lives and sleeps in whose walls differ from the house's walls."""
     floors: Mapping[str, Sequence[Ranges]] = field(default_factory=dict)
     """Look families of floors by group of rooms (style_looks.GROUP_OF)."""
     walls: Mapping[str, Sequence[Ranges]] = field(default_factory=dict)
     accent_looks: Mapping[str, Sequence[Ranges]] = field(default_factory=dict)
-    """What walls that differ wear."""
+    """Looks of walls that differ."""
     ceiling: str = "#f3f2ef"
     trim: str = "#f0efeb"
     """Colour of skirting, inner doors and their frames."""

@@ -62,8 +62,8 @@ def _at_wall(
     """A box with its back on the wall, so far along the opening, from its foot up."""
     floor = shapely.transform(room_polygon(room), lambda points: to_own(opening.box, points))
     side = 1.0 if nearest_points(floor, shapely.Point(0.0, 0.0))[0].y > 0 else -1.0
-    own = along_m, side * (_face_m(opening, floor, side) + size_m[1] / 2)
-    x_m, y_m = to_world(opening.box, own)
+    local = along_m, side * (_face_m(opening, floor, side) + size_m[1] / 2)
+    x_m, y_m = to_world(opening.box, local)
     return Box((float(x_m), float(y_m), opening.box.center_m[2]), size_m, opening.box.yaw_deg)
 
 

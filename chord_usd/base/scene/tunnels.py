@@ -108,7 +108,7 @@ def as_cut(rooms: Sequence[Room], openings: Sequence[Opening]) -> list[Opening]:
 
 def _as_hole(opening: Opening, tunnel: Tunnel) -> Opening:
     ends = [to_own(opening.box, edge) for edge in tunnel.ends_m()]
-    # A file may tell its openings in the middle of a wall that is thicker than ours.
+    # A file may put its openings in the middle of a wall that is thicker than here.
     across = [float(end[:, 1].mean()) for end in ends]
     middle_y = (min(across) + max(across)) / 2 if len(ends) > 1 else 0.0
     fronts = [float(e[:, 1].max()) for e, y in zip(ends, across, strict=True) if y < middle_y]

@@ -58,8 +58,8 @@ ROOM_HEIGHT_M = 2.7
 """From floor to ceiling, in every room."""
 
 CANVAS_PX = 256
-"""Width and height of plan and layout rasters (paper, section 5); those of large houses are
-larger (canvas.house_frame)."""
+"""Width and height of plan and layout rasters (paper, section 5); rasters of large houses
+are larger (canvas.house_frame)."""
 
 
 def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
@@ -226,7 +226,7 @@ class Facts:
     source_px: tuple[tuple[float, float], ...] = ()
     """The corners of what was seen, pixels of the layout raster."""
     front_from: FrontFrom | None = None
-    """What told which way it faces."""
+    """The sign that decided which way it faces."""
     detected: bool | None = None
     """Whether the detector proposed it, too."""
     below_sill_m: float | None = None
@@ -263,8 +263,8 @@ class Item:
     extra: Mapping[str, Any] = field(default_factory=dict)
     """Unknown keys of the JSON element."""
 
-    def found(self, **facts: Any) -> Item:
-        """The item with some of its facts anew."""
+    def with_facts(self, **facts: Any) -> Item:
+        """The item with some of its facts replaced."""
         return replace(self, facts=replace(self.facts, **facts))
 
     @property

@@ -63,10 +63,10 @@ def with_wet_kinds(plan: Plan, decided: Collection[str] = ()) -> Plan:
     wet = [room for room in plan.rooms if room.kind in WET_KINDS]
     behind = _entered_through(wet, plan.openings)
     drawn = _drawn(plan, wet)
-    bathed_in = {room_id for room_id, own in drawn.items() if own & _BATHING}
+    bathed_in = {room_id for room_id, categories in drawn.items() if categories & _BATHING}
     nats = {room.id: _own_nats(room, drawn[room.id], behind) for room in wet}
-    for room_id, own in nats.items():
-        own["bathroom"] -= _BATH_ELSEWHERE * bool(bathed_in and room_id not in bathed_in)
+    for room_id, room_nats in nats.items():
+        room_nats["bathroom"] -= _BATH_ELSEWHERE * bool(bathed_in and room_id not in bathed_in)
     known = [room.kind for room in wet if room.id not in open_ids]
     bedrooms = sum(room.kind == "bedroom" for room in plan.rooms)
     chosen = _chosen([nats[room_id] for room_id in open_ids], known, bedrooms)
@@ -74,7 +74,7 @@ def with_wet_kinds(plan: Plan, decided: Collection[str] = ()) -> Plan:
     rooms: list[Room] = []
     for room in plan.rooms:
         kind = kinds.get(room.id, room.kind)
-        number = 1 + sum(one.kind == kind for one in rooms)
+        number = 1 + sum(room.kind == kind for room in rooms)
         is_new = kind != room.kind and _NUMBERED.fullmatch(room.name)
         name = f"{_TITLES[kind]} {number}" if is_new else room.name
         rooms.append(replace(room, kind=kind, name=name))
@@ -85,11 +85,11 @@ def _chosen(
     nats: Sequence[Mapping[RoomKind, float]], known: Sequence[RoomKind], bedrooms: int
 ) -> tuple[RoomKind, ...]:
     if len(nats) > _MOST:
-        return tuple(max(WET_KINDS, key=lambda kind: own[kind]) for own in nats)
+        return tuple(max(WET_KINDS, key=lambda kind: room_nats[kind]) for room_nats in nats)
 
     def weight(kinds: tuple[RoomKind, ...]) -> float:
-        own = sum(one[kind] for one, kind in zip(nats, kinds, strict=True))
-        return own - _missed((*known, *kinds), bedrooms)
+        total = sum(room_nats[kind] for room_nats, kind in zip(nats, kinds, strict=True))
+        return total - _missed((*known, *kinds), bedrooms)
 
     return max(product(WET_KINDS, repeat=len(nats)), key=weight)
 
@@ -109,30 +109,34 @@ def _own_nats(
 ) -> dict[RoomKind, float]:
     area_m2 = room_polygon(room).area
     said = room_kind(room.name)
-    found: dict[RoomKind, float] = {}
+    scores: dict[RoomKind, float] = {}
     for kind in WET_KINDS:
         median, spread = _USUAL_M2[kind]
         off = 0.5 * (math.log(max(area_m2, 0.1) / median) / spread) ** 2
-        found[kind] = _PRIOR[kind] - min(off, _MOST_OFF) + _NAMED[kind] * (said == kind)
-    for kind, nats in {_DRAWN[one] for one in drawn if one in _DRAWN}:
-        found[kind] += nats
-    found["washroom"] -= _TOILET_IN_WASHROOM * ("toilet" in drawn)
+        scores[kind] = _PRIOR[kind] - min(off, _MOST_OFF) + _NAMED[kind] * (said == kind)
+    for kind, nats in {_DRAWN[category] for category in drawn if category in _DRAWN}:
+        scores[kind] += nats
+    scores["washroom"] -= _TOILET_IN_WASHROOM * ("toilet" in drawn)
     before = sum(room.id in others for others in behind.values())
-    found["washroom"] += _BEHIND * (before - bool(behind[room.id]))
-    return found
+    scores["washroom"] += _BEHIND * (before - bool(behind[room.id]))
+    return scores
 
 
 def _entered_through(rooms: Iterable[Room], openings: Iterable[Opening]) -> dict[str, set[str]]:
     """By id of a wet room, the other wet room that its only ways lead into; else nothing."""
-    ways = [one for one in openings if one.kind != "window"]
+    ways = [opening for opening in openings if opening.kind != "window"]
     ids = {room.id for room in rooms}
-    found: dict[str, set[str]] = {}
+    entered: dict[str, set[str]] = {}
     for room_id in ids:
-        own = [one for one in ways if room_id in one.room_ids]
-        beyond = {other for one in own for other in one.room_ids} - {room_id}
-        is_inner = len(beyond) == 1 and beyond <= ids and all(len(one.room_ids) == 2 for one in own)
-        found[room_id] = beyond if is_inner else set()
-    return found
+        room_ways = [opening for opening in ways if room_id in opening.room_ids]
+        beyond = {other for opening in room_ways for other in opening.room_ids} - {room_id}
+        is_inner = (
+            len(beyond) == 1
+            and beyond <= ids
+            and all(len(opening.room_ids) == 2 for opening in room_ways)
+        )
+        entered[room_id] = beyond if is_inner else set()
+    return entered
 
 
 def _drawn(plan: Plan, rooms: Sequence[Room]) -> dict[str, set[str]]:
@@ -140,14 +144,14 @@ def _drawn(plan: Plan, rooms: Sequence[Room]) -> dict[str, set[str]]:
     there; these may hold anything."""
     noted = plan.extra.get("fixtures", ())
     seen = [(item.category, item.box.center_m[:2]) for item in drawn_items(plan.extra)]
-    found: dict[str, set[str]] = {room.id: set() for room in rooms}
+    categories: dict[str, set[str]] = {room.id: set() for room in rooms}
     floors = [(room.id, room_polygon(room)) for room in rooms]
-    for one in noted if isinstance(noted, list | tuple) else ():
-        x, y = (one.get(axis) for axis in "xy") if isinstance(one, Mapping) else (None, None)
+    for entry in noted if isinstance(noted, list | tuple) else ():
+        x, y = (entry.get(axis) for axis in "xy") if isinstance(entry, Mapping) else (None, None)
         if isinstance(x, int | float) and isinstance(y, int | float):
-            seen.append((str(one.get("category")), (float(x), float(y))))
+            seen.append((str(entry.get("category")), (float(x), float(y))))
     for category, at in seen:
         for room_id, floor in floors:
             if floor.intersects(shapely.Point(at)):
-                found[room_id].add(category)
-    return found
+                categories[room_id].add(category)
+    return categories

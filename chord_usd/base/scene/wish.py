@@ -35,13 +35,13 @@ class Wish:
     """A programme in an architect's sense; what is not mentioned is left to the planner."""
 
     counts: Mapping[RoomKind, int] = field(default_factory=dict)
-    """Rooms by kind, of the WISHED_KINDS that were mentioned; 0 says that there shall be none."""
+    """Rooms by kind, of the WISHED_KINDS that were mentioned; 0 excludes the kind."""
     area_m2: float | None = None
     """Sum of the rooms' floors."""
     open_kitchen: bool = False
-    """Whether the kitchen shall be joined to a living or dining room without a door."""
+    """Whether the kitchen is to be joined to a living or dining room without a door."""
     wet: Mapping[RoomKind, int] = field(default_factory=dict)
-    """How many of the bathrooms shall be washrooms and WCs."""
+    """How many of the bathrooms are to be washrooms and WCs."""
 
     @property
     def sentence(self) -> str:
@@ -71,8 +71,8 @@ def listed(parts: list[str]) -> str:
 
 def room_counts(plan: Plan) -> dict[RoomKind, int]:
     """How many rooms of each kind a plan has; every kind is in it."""
-    found = Counter(room.kind for room in plan.rooms)
-    return {kind: found[kind] for kind in WISHED_KINDS}
+    counts = Counter(room.kind for room in plan.rooms)
+    return {kind: counts[kind] for kind in WISHED_KINDS}
 
 
 def with_wished_wet(plan: Plan, wish: Wish) -> Plan:

@@ -138,7 +138,7 @@ def _data(reading: Reading) -> dict[str, Any]:
                 "action": one.action, "rooms": list(one.rooms), "pieces": list(one.items),
                 "new": one.new.category if one.new and one.action != "remove" else "",
                 "count": one.count, "relation": one.relation, "to": list(one.anchors),
-                "style": one.style, "told": one.told,
+                "style": one.style, "told": one.wording,
             }
             for one in intents
         ],

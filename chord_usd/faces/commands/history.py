@@ -51,14 +51,14 @@ def put_back(stage: Path, change: Change, done: str) -> Outcome:
     from chord_usd.base.runtime.house_history import read_history
 
     history = read_history(stage)
-    text = f"{stage}: {done}: {change.told}"
+    text = f"{stage}: {done}: {change.summary}"
     return Outcome(text, {**_data(stage, history), "done": done, "change": change.number})
 
 
 def _line(change: Change, history: History) -> str:
     here = ">" if change.number == history.number else " "
     branch = f" (after {change.parent})" if change.parent not in (None, change.number - 1) else ""
-    return f"{here} {change.number:>3}  {change.made}  {change.told}{branch}"
+    return f"{here} {change.number:>3}  {change.made}  {change.summary}{branch}"
 
 
 def _data(stage: Path, history: History) -> dict[str, Any]:

@@ -253,11 +253,11 @@ class KeptHouses:
             error = str(reason)
         now, undone = history.now, history.undone
         return {
-            "undo": now.told if now and history.before else None,
-            "redo": undone.told if undone else None,
+            "undo": now.summary if now and history.before else None,
+            "redo": undone.summary if undone else None,
             "number": history.number,
             "error": error,
-            "changes": [{"number": one.number, "made": one.made, "told": one.told}
+            "changes": [{"number": one.number, "made": one.made, "told": one.summary}
                         for one in history.changes],
         }  # fmt: skip
 

@@ -114,7 +114,9 @@ class Arrangement:
 
         anew: whether its present place counts as taken, too.
         """
-        return free_places(item, self.floors.get(item.room_id), among, self.shell.clear, anew=anew)
+        return free_places(
+            item, self.floors.get(item.room_id), among, self.shell.clear, is_new=anew
+        )
 
 
 # Corrections of items before doors and windows: edges to half a pixel, and heights ------ --------

@@ -80,7 +80,7 @@ class Work:
 
 
 def refused(intent: Intent, why: str, expected: str = "", try_: str = "") -> ChordError:
-    return ChordError(f"cannot {intent.told}: {why}", expected=expected, try_=try_)
+    return ChordError(f"cannot {intent.wording}: {why}", expected=expected, try_=try_)
 
 
 def called(work: Work, room_id: str) -> str:

@@ -59,7 +59,7 @@ def noted(name: str, before: SceneGraph, after: SceneGraph) -> SceneGraph:
         box = boxes.get(item.id, item.box)
         if _is_same(box, item.box):
             return item
-        return item.found(edits=(*item.facts.edits, Edit(name, box)))
+        return item.with_facts(edits=(*item.facts.edits, Edit(name, box)))
 
     return replace(after, items=tuple(with_edit(item) for item in after.items))
 

@@ -75,7 +75,7 @@ def _facing(item: Item, items: Sequence[Item]) -> Item:
     way = _inward(table.box, item.box)
     turned = [_turned(item.box, quarters) for quarters in range(4)]
     box = max(turned, key=lambda box: float(front_direction(box.yaw_deg) @ way))
-    return replace(item, box=box).found(front_from="table")
+    return replace(item, box=box).with_facts(front_from="table")
 
 
 def _inward(table: Box, chair: Box) -> FloatArray:

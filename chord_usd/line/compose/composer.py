@@ -73,11 +73,11 @@ def compose(
     options = cheapest(site, wanted, rng, DEPTHS_M, compact=compact)[: 1 + effort // _EACH]
     # All rules weigh nearly the same there: a cooker at the end of its run is worse than that.
     most = _MOST_APART_DRAWN if is_drawn else _MOST_APART
-    options = [one for one in options if one.cost < options[0].cost + most]
+    options = [option for option in options if option.cost < options[0].cost + most]
     best: tuple[tuple[int, float], list[Unit]] | None = None
-    for found in options:
-        units = units_of(found, wanted, rng)
-        units += island_of(site, floor, found, units, wanted.height, rng)
+    for layout in options:
+        units = units_of(layout, wanted, rng)
+        units += island_of(site, floor, layout, units, wanted.height, rng)
         if len(options) == 1:
             return units
         missed = _missed(house, room, stays, units)
@@ -95,12 +95,16 @@ def _missed(
     planning rules (metrics.design) that units break."""
     items = [Item(str(index), unit.category, unit.box, room.id) for index, unit in enumerate(units)]
     floor = room_polygon(room)
-    rooms = [one for one in house.rooms if room_polygon(one).dwithin(floor, WALL_THICKNESS_M / 2)]
-    own = SceneGraph(tuple(rooms), house.openings, (*stays, *items))
-    shut = len(shut_fronts(own)) + sum(1 for _ in shut_borders(own))
+    rooms = [
+        neighbour
+        for neighbour in house.rooms
+        if room_polygon(neighbour).dwithin(floor, WALL_THICKNESS_M / 2)
+    ]
+    local = SceneGraph(tuple(rooms), house.openings, (*stays, *items))
+    shut = len(shut_fronts(local)) + sum(1 for _ in shut_borders(local))
     judged = judge(
         RULES,
-        View(shells(house.rooms, house.openings)[room.id], own.items),
+        View(shells(house.rooms, house.openings)[room.id], local.items),
         "",
         "kitchen",
         floor.area,
@@ -128,13 +132,13 @@ _STEP_M = 0.1
 
 
 def island_of(
-    site: Site, floor: shapely.Polygon, found: Found, units: Sequence[Unit], height: float,
+    site: Site, floor: shapely.Polygon, layout: Found, units: Sequence[Unit], height: float,
     rng: np.random.Generator,
 ) -> list[Unit]:  # fmt: skip
     """Two units that face the run with the sink, [] where they have no room or are not drawn."""
     if site.area_m2 < FROM_M2 or rng.random() >= SHARE:
         return []
-    run = found.shape.runs[found.sink[0]]
+    run = layout.shape.runs[layout.sink[0]]
     taken = [footprint_polygon(unit.box) for unit in units]
     free = floor.difference(shapely.union_all([*taken, *site.pieces]))
     keep = shapely.union_all(list(site.swings))
@@ -195,17 +199,17 @@ def composed_kitchens(
     effort: of compose.
     """
     numbers = {room.id: number for number, room in enumerate(house.rooms)}
-    found = {}
+    kitchens = {}
     for room in rooms:
-        own = list(house.items_of(room.id))
+        items = list(house.items_of(room.id))
         shut_out, stay = excluded.get(room.id, ()), list(kept.get(room.id, ()))
-        placed = [item for item in own if item.category in KITCHEN_UNITS]
+        placed = [item for item in items if item.category in KITCHEN_UNITS]
         is_kitchen = room.kind == "kitchen" or {item.category for item in placed} >= CORE
         is_given = any(item.category in KITCHEN_UNITS for item in stay)
         if not is_kitchen or is_given or CORE.intersection(shut_out):
             continue
         if room.kind != "kitchen":
-            stay += [item for item in own if item.category not in KITCHEN_UNITS]
+            stay += [item for item in items if item.category not in KITCHEN_UNITS]
         drawn = [item for item in shown if item.room_id == room.id]
         units = compose(
             house, room, seed + 7919 * numbers[room.id], stays=stay,
@@ -213,8 +217,8 @@ def composed_kitchens(
             without=frozenset(shut_out), is_drawn=bool(drawn), effort=effort,
         )  # fmt: skip
         if units:
-            found[room.id] = tuple(_items(room.id, units))
-    return found
+            kitchens[room.id] = tuple(_items(room.id, units))
+    return kitchens
 
 
 def _items(room_id: str, units: Iterable[Unit]) -> Iterator[Item]:
@@ -223,7 +227,7 @@ def _items(room_id: str, units: Iterable[Unit]) -> Iterator[Item]:
         number = counts[unit.category]
         counts[unit.category] += 1
         item = Item(f"{room_id}/{unit.category}_{number}", unit.category, unit.box, room_id)
-        yield item.found(unit=unit.variety)
+        yield item.with_facts(unit=unit.variety)
 
 
 def with_kitchens(house: SceneGraph, kitchens: Kitchens) -> SceneGraph:
@@ -233,34 +237,34 @@ def with_kitchens(house: SceneGraph, kitchens: Kitchens) -> SceneGraph:
         for item in house.items
         if item.room_id not in kitchens or item.category not in KITCHEN_UNITS
     ]
-    return replace(house, items=(*items, *(item for own in kitchens.values() for item in own)))
+    return replace(house, items=(*items, *(item for units in kitchens.values() for item in units)))
 
 
 def displaced(house: SceneGraph, kitchens: Kitchens) -> dict[str, list[Item]]:
     """By room id, other pieces that stand in composed units, before them, or behind them, and that
     the plan does not show there."""
-    found: dict[str, list[Item]] = defaultdict(list)
+    moved: dict[str, list[Item]] = defaultdict(list)
     for room_id, units in kitchens.items():
         stood_on = [footprint_polygon(item.box) for item in units]
         used = [footprint_polygon(floor_before(item.box, FRONT, 0.0, BEFORE_M)) for item in units]
         for item in house.items_of(room_id):
             if item.category in KITCHEN_UNITS or is_underfoot(item) or item.facts.locked:
                 continue
-            own, *before = floor_of(item)
-            pairs = [(own, one) for one in (*stood_on, *used)]
-            pairs += [(front, one) for front in before for one in stood_on]
-            if any(one.intersection(other).area > _TOUCH_M2 for one, other in pairs):
-                found[room_id].append(item)
-    return dict(found)
+            body, *before = floor_of(item)
+            pairs = [(body, place) for place in (*stood_on, *used)]
+            pairs += [(front, place) for front in before for place in stood_on]
+            if any(first.intersection(other).area > _TOUCH_M2 for first, other in pairs):
+                moved[room_id].append(item)
+    return dict(moved)
 
 
 def composed_of(house: SceneGraph) -> Kitchens:
     """The composed units that a house holds."""
-    found: dict[str, list[Item]] = defaultdict(list)
+    kitchens: dict[str, list[Item]] = defaultdict(list)
     for item in house.items:
         if item.facts.unit is not None:
-            found[item.room_id].append(item)
-    return dict(found)
+            kitchens[item.room_id].append(item)
+    return dict(kitchens)
 
 
 def put_back(house: SceneGraph, kitchens: Kitchens) -> SceneGraph:
@@ -275,20 +279,20 @@ def put_back(house: SceneGraph, kitchens: Kitchens) -> SceneGraph:
 def _seen(units: Sequence[Item], painted: Sequence[Item]) -> tuple[Item, ...]:
     """Composed units with what was found out about the painted ones that they stand for."""
     left = list(painted)
-    found = []
+    matched = []
     for unit in units:
         shape = footprint_polygon(unit.box)
 
         def shared(item: Item) -> float:
             return footprint_polygon(item.box).intersection(shape).area / shape.area  # noqa: B023
 
-        own = [item for item in left if item.category == unit.category]
-        best = max(own, key=shared, default=None)
+        same = [item for item in left if item.category == unit.category]
+        best = max(same, key=shared, default=None)
         if best is None or shared(best) < _SEEN_SHARE:
-            found.append(unit)
+            matched.append(unit)
             continue
         left.remove(best)
         facts = replace(best.facts, unit=unit.facts.unit, below_sill_m=None,
                         edits=(Edit(RULE, best.box),))  # fmt: skip
-        found.append(replace(unit, score=best.score, facts=facts))
-    return tuple(found)
+        matched.append(replace(unit, score=best.score, facts=facts))
+    return tuple(matched)

@@ -65,72 +65,72 @@ class _Slot:
         return self.category in (SINGLE, DOUBLE)
 
 
-def units_of(found: Found, wanted: Wanted, rng: np.random.Generator) -> list[Unit]:
+def units_of(layout: Found, wanted: Wanted, rng: np.random.Generator) -> list[Unit]:
     """The units of a kitchen, run by run."""
     units: list[Unit] = []
-    washes = _dishwasher_side(found) if wanted.appliances else None
-    for index, run in enumerate(found.shape.runs):
-        slots = _beside_corner(run, _widened(run, list(_slots(found, index, washes, rng))))
+    washes = _dishwasher_side(layout) if wanted.appliances else None
+    for index, run in enumerate(layout.shape.runs):
+        slots = _beside_corner(run, _widened(run, list(_slots(layout, index, washes, rng))))
         units += [_unit(run, slot, wanted.height) for slot in slots]
-        units += _tall_units(found, index)
-    apart = found.talls.wall
+        units += _tall_units(layout, index)
+    apart = layout.talls.wall
     if apart is not None:
-        low = found.talls.low
+        low = layout.talls.low
         units.append(_refrigerator(apart, low, low + TALL_CELLS * CELL_M))
     return units
 
 
-def _marks(found: Found, index: int) -> list[tuple[int, int, str]]:
+def _marks(layout: Found, index: int) -> list[tuple[int, int, str]]:
     """What is fixed in a run: first cell, last, category; with both ends."""
-    run = found.shape.runs[index]
-    low, high = found.talls.cells(index, 0), run.cells - found.talls.cells(index, 1)
-    own = [
+    run = layout.shape.runs[index]
+    low, high = layout.talls.cells(index, 0), run.cells - layout.talls.cells(index, 1)
+    placed = [
         (first, first + cells, category)
         for category, (at, first, cells) in (
-            ("sink_cabinet", found.sink), ("cooker_cabinet", found.cooker),
+            ("sink_cabinet", layout.sink), ("cooker_cabinet", layout.cooker),
         ) if at == index
     ]  # fmt: skip
-    return [(low, low, ""), *sorted(own), (high, high, "")]
+    return [(low, low, ""), *sorted(placed), (high, high, "")]
 
 
-def _gap_corners(run: Run, found: Found, index: int, low: str, high: str) -> tuple[bool, bool]:
+def _gap_corners(run: Run, layout: Found, index: int, low: str, high: str) -> tuple[bool, bool]:
     """Whether a gap begins and ends with a unit in a corner."""
-    talls = found.talls
+    talls = layout.talls
     return (
         not low and run.ends[0] == "corner" and not talls.cells(index, 0),
         not high and run.ends[1] == "corner" and not talls.cells(index, 1),
     )
 
 
-def _dishwasher_side(found: Found) -> int | None:
+def _dishwasher_side(layout: Found) -> int | None:
     """0 where a dishwasher stands before the sink, 1 after it; on the side that is longer, which
     leaves space to stand beside its door."""
-    index = found.sink[0]
-    run = found.shape.runs[index]
+    index = layout.sink[0]
+    run = layout.shape.runs[index]
     options = []
-    for (_, low, kind), (high, _, other) in pairwise(_marks(found, index)):
+    for (_, low, kind), (high, _, other) in pairwise(_marks(layout, index)):
         if "sink_cabinet" not in (kind, other):
             continue
-        corners = _gap_corners(run, found, index, kind, other)
-        gap = high - low - sum((run.hidden + CORNER_DOORS[-1]) * one for one in corners)
-        if any(gap >= one and FITS[gap - one] for one in DISHWASHERS):
+        corners = _gap_corners(run, layout, index, kind, other)
+        gap = high - low - sum((run.hidden + CORNER_DOORS[-1]) * is_corner for is_corner in corners)
+        if any(gap >= width and FITS[gap - width] for width in DISHWASHERS):
             options.append((-gap, 1 if kind == "sink_cabinet" else 0))
     return min(options)[1] if options else None
 
 
 def _slots(
-    found: Found, index: int, washes: int | None, rng: np.random.Generator
+    layout: Found, index: int, washes: int | None, rng: np.random.Generator
 ) -> Iterator[_Slot]:
     """What stands between the tall units of a run."""
-    run = found.shape.runs[index]
-    marks = _marks(found, index)
+    run = layout.shape.runs[index]
+    marks = _marks(layout, index)
     for (start, low, kind), (high, _, other) in pairwise(marks):
         if kind:
             yield _Slot(kind, start, low)
-        corners = _gap_corners(run, found, index, kind, other)
+        corners = _gap_corners(run, layout, index, kind, other)
         is_loose = [
-            not one and not found.talls.cells(index, at) and run.ends[at] in ("free", "wall")
-            for at, one in enumerate((kind, other))
+            not mark and not layout.talls.cells(index, at) and run.ends[at] in ("free", "wall")
+            for at, mark in enumerate((kind, other))
         ]
         washing = None
         if kind == "sink_cabinet" and washes == 1:
@@ -187,9 +187,9 @@ def _doors(
     """What opens of the corner units of a gap."""
     if is_loose:
         for shorter in range(4):
-            found = corner_doors(gap - shorter, hidden, *corners)
-            if found:
-                return found
+            doors = corner_doors(gap - shorter, hidden, *corners)
+            if doors:
+                return doors
     return corner_doors(gap, hidden, *corners)
 
 
@@ -239,8 +239,8 @@ def _unit(run: Run, slot: _Slot, height: float) -> Unit:
     return Unit(category, box_at(run.wall, low, high, run.depth, height), slot.variety)
 
 
-def _tall_units(found: Found, index: int) -> Iterator[Unit]:
-    talls, run = found.talls, found.shape.runs[index]
+def _tall_units(layout: Found, index: int) -> Iterator[Unit]:
+    talls, run = layout.talls, layout.shape.runs[index]
     if talls.run != index:
         return
     width = TALL_CELLS * CELL_M

@@ -98,21 +98,21 @@ def shapes(
         wall.index: [_Stretch(wall, *span) for span in wall.spans(depth, height, LEAST_M)]
         for wall in site.walls
     }
-    every = [one for own in spans.values() for one in own]
-    for one in every:
-        if one.length >= least_alone:
-            yield from (Shape("one wall", (run,)) for run in _cut(one.run(depth)))
-    for index, one in enumerate(every):
+    every = [stretch for wall_spans in spans.values() for stretch in wall_spans]
+    for stretch in every:
+        if stretch.length >= least_alone:
+            yield from (Shape("one wall", (run,)) for run in _cut(stretch.run(depth)))
+    for index, stretch in enumerate(every):
         for other in every[index + 1 :]:
-            if _faces(one, other, depth):
-                both = product(_cut(one.run(depth)), _cut(other.run(depth)))
+            if _faces(stretch, other, depth):
+                both = product(_cut(stretch.run(depth)), _cut(other.run(depth)))
                 yield from (Shape("galley", runs) for runs in both)
-    pairs = [(one, other) for one in every for other in every if _meets(one, other)]
-    for one, other in pairs:
-        yield from _corner(one, other, depth)
+    pairs = [(first, other) for first in every for other in every if _meets(first, other)]
+    for stretch, other in pairs:
+        yield from _corner(stretch, other, depth)
         for again, third in pairs:
-            if again is other and third is not one:
-                yield from _two_corners(one, other, third, depth)
+            if again is other and third is not stretch:
+                yield from _two_corners(stretch, other, third, depth)
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,58 +158,67 @@ def _cut(run: Run) -> Iterator[Run]:
             yield replace(run, low=low, cells=cells, ends=("free", run.ends[1]), slack=0.0)
 
 
-def _faces(one: _Stretch, other: _Stretch, depth: float) -> bool:
+def _faces(stretch: _Stretch, other: _Stretch, depth: float) -> bool:
     """Whether two walls look at each other, with an aisle between their runs."""
-    apart = one.wall.local(other.wall.start_m)[1]
-    if one.wall.along @ other.wall.along > -1 + _SQUARE:
+    apart = stretch.wall.local(other.wall.start_m)[1]
+    if stretch.wall.along @ other.wall.along > -1 + _SQUARE:
         return False
-    ends = one.wall.local(np.array([other.wall.at(other.low, 0.0), other.wall.at(other.high, 0.0)]))
-    beside = min(one.high, ends[:, 0].max()) - max(one.low, ends[:, 0].min())
+    ends = stretch.wall.local(
+        np.array([other.wall.at(other.low, 0.0), other.wall.at(other.high, 0.0)])
+    )
+    beside = min(stretch.high, ends[:, 0].max()) - max(stretch.low, ends[:, 0].min())
     aisle = apart - 2 * depth
     return bool(_BETWEEN_FRONTS_M <= aisle <= _WIDEST_AISLE_M and beside > LEAST_M)
 
 
-def _meets(one: _Stretch, other: _Stretch) -> bool:
+def _meets(stretch: _Stretch, other: _Stretch) -> bool:
     """Whether a stretch ends in the square inner corner where another one begins."""
     return bool(
-        np.hypot(*(one.wall.at(one.wall.length_m, 0.0) - other.wall.start_m)) < _AT_CORNER_M
-        and one.wall.inward @ other.wall.along > 1 - _SQUARE**2
-        and one.high > one.wall.length_m - _AT_CORNER_M
+        np.hypot(*(stretch.wall.at(stretch.wall.length_m, 0.0) - other.wall.start_m)) < _AT_CORNER_M
+        and stretch.wall.inward @ other.wall.along > 1 - _SQUARE**2
+        and stretch.high > stretch.wall.length_m - _AT_CORNER_M
         and other.low < _AT_CORNER_M
     )
 
 
-def _corner(one: _Stretch, other: _Stretch, depth: float) -> Iterator[Shape]:
+def _corner(stretch: _Stretch, other: _Stretch, depth: float) -> Iterator[Shape]:
     """L: the unit in the corner belongs to one of the two runs."""
-    first, second = one.run(depth), other.run(depth)
+    first, second = stretch.run(depth), other.run(depth)
     blind = depth + LEAST_DOOR_M
-    if other.length >= blind and one.length - depth >= LEAST_M:
+    if other.length >= blind and stretch.length - depth >= LEAST_M:
         begins = _run(
-            one.wall, (one.low, one.high - depth), depth, (first.ends[0], "beside corner")
+            stretch.wall,
+            (stretch.low, stretch.high - depth),
+            depth,
+            (first.ends[0], "beside corner"),
         )
         goes_on = replace(second, ends=("corner", second.ends[1]))
         yield from _ls(begins, goes_on)
-    if one.length >= blind and other.length - depth >= LEAST_M:
+    if stretch.length >= blind and other.length - depth >= LEAST_M:
         begins = replace(first, ends=(first.ends[0], "corner"))
         span = (other.low + depth, other.high)
         goes_on = _run(other.wall, span, depth, ("beside corner", second.ends[1]))
         yield from _ls(begins, goes_on)
 
 
-def _ls(one: Run, other: Run) -> Iterator[Shape]:
-    yield from (Shape("L", runs) for runs in product(_cut(one), _cut(other)))
+def _ls(run: Run, other: Run) -> Iterator[Shape]:
+    yield from (Shape("L", runs) for runs in product(_cut(run), _cut(other)))
 
 
-def _two_corners(one: _Stretch, middle: _Stretch, other: _Stretch, depth: float) -> Iterator[Shape]:
+def _two_corners(
+    stretch: _Stretch, middle: _Stretch, other: _Stretch, depth: float
+) -> Iterator[Shape]:
     """U: the middle run has both corners."""
     aisle = middle.length - 2 * depth
-    if aisle < _BETWEEN_FRONTS_M or min(one.length, other.length) - depth < LEAST_M:
+    if aisle < _BETWEEN_FRONTS_M or min(stretch.length, other.length) - depth < LEAST_M:
         return
     if middle.length > MOST_CELLS * CELL_M:
         return
     along = replace(middle.run(depth), ends=("corner", "corner"))
-    first, last = one.run(depth), other.run(depth)
-    left = _run(one.wall, (one.low, one.high - depth), depth, (first.ends[0], "beside corner"))
+    first, last = stretch.run(depth), other.run(depth)
+    left = _run(
+        stretch.wall, (stretch.low, stretch.high - depth), depth, (first.ends[0], "beside corner")
+    )
     right = _run(
         other.wall, (other.low + depth, other.high), depth, ("beside corner", last.ends[1])
     )
@@ -220,7 +229,7 @@ def _two_corners(one: _Stretch, middle: _Stretch, other: _Stretch, depth: float)
 def seen(site: Site, shape: Shape) -> Shape:
     """The shape, its runs with the free floor before them."""
     return replace(shape, runs=tuple(
-        replace(run, clear=_clear(site, run, [one for one in shape.runs if one is not run]))
+        replace(run, clear=_clear(site, run, [other for other in shape.runs if other is not run]))
         for run in shape.runs
     ))  # fmt: skip
 

@@ -111,8 +111,8 @@ def search(site: Site, wanted: Wanted, depth: float, rng: np.random.Generator) -
     for shape in shapes(site, depth, wanted.height, alone):
         least = _shape_cost(site, shape, wanted) + taste[shape.form] + rng.uniform(0.0, TASTE)
         options.append((least, len(options), shape))
-    options.sort(key=lambda one: one[:2])
-    best, found = np.inf, []
+    options.sort(key=lambda option: option[:2])
+    best, layouts = np.inf, []
     for least, _, bare in options[: wanted.effort]:
         if least > best:
             break
@@ -123,11 +123,11 @@ def search(site: Site, wanted: Wanted, depth: float, rng: np.random.Generator) -
             start = least + tall.cost + _worktop_cost(site, shape, tall)
             if least + tall.least > best:
                 break
-            one = _best_pair(site, shape, tall, wanted, (start, best), rng)
-            if one is not None:
-                found.append(one)
-                best = min(best, one.cost)
-    yield from sorted(found, key=lambda one: one.cost)
+            layout = _best_pair(site, shape, tall, wanted, (start, best), rng)
+            if layout is not None:
+                layouts.append(layout)
+                best = min(best, layout.cost)
+    yield from sorted(layouts, key=lambda layout: layout.cost)
 
 
 def _shape_cost(site: Site, shape: Shape, wanted: Wanted) -> float:
@@ -279,7 +279,7 @@ def _pair_costs(site: Site, shape: Shape, tall: Talls, sink: _Row, cooker: _Row)
     """(S, C) what each pair of places costs; infinite for what cannot be built."""
     area = site.area_m2
     run = shape.runs[sink.run]
-    own = sink.run == cooker.run
+    same_run = sink.run == cooker.run
     sides = [_beside(shape, tall, row) for row in (sink, cooker)]
     (sink_low, sink_high), (cook_low, cook_high) = (
         (low[:, None] if row is sink else low[None], high[:, None] if row is sink else high[None])
@@ -288,7 +288,7 @@ def _pair_costs(site: Site, shape: Shape, tall: Talls, sink: _Row, cooker: _Row)
     fits_sink, fits_cooker = _fits(shape, tall, sink), _fits(shape, tall, cooker)
     cost = sink.cost[:, None] + cooker.cost[None]
     s_low, s_high = sink.low[:, None], sink.high[:, None]
-    if own:
+    if same_run:
         before = sink.first[:, None] + sink.cells <= cooker.first[None]
         after = cooker.first[None] + cooker.cells <= sink.first[:, None]
         between = np.where(before, cooker.first[None] - sink.first[:, None] - sink.cells,
@@ -324,7 +324,7 @@ def _pair_costs(site: Site, shape: Shape, tall: Talls, sink: _Row, cooker: _Row)
 def _beside(shape: Shape, tall: Talls, row: _Row) -> tuple[FloatArray, FloatArray]:
     """Metres of worktop from a unit to each end of its run, and round the corner there."""
     run = shape.runs[row.run]
-    found = []
+    sides = []
     for gap, end, at in zip((row.low, row.high), run.ends, (0, 1), strict=True):
         metres = np.where(True, gap, 0) * CELL_M
         if not tall.cells(row.run, at):
@@ -332,22 +332,22 @@ def _beside(shape: Shape, tall: Talls, row: _Row) -> tuple[FloatArray, FloatArra
                 metres = metres + run.depth
             elif end in ("free", "wall"):
                 metres = FILLED[gap] * CELL_M
-        found.append(metres)
-    return found[0], found[1]
+        sides.append(metres)
+    return sides[0], sides[1]
 
 
 def _fits(shape: Shape, tall: Talls, row: _Row) -> tuple[BoolArray, BoolArray]:
     """Whether units fill the run on both sides of a unit."""
     run = shape.runs[row.run]
-    found = []
+    sides = []
     for gap, end, at in zip((row.low, row.high), run.ends, (0, 1), strict=True):
         if tall.cells(row.run, at) or end == "beside corner":
-            found.append(FITS[gap])
+            sides.append(FITS[gap])
         elif end == "corner":
-            found.append(np.array(cornered(run.hidden))[gap])
+            sides.append(np.array(cornered(run.hidden))[gap])
         else:
-            found.append(np.ones(len(gap), bool))
-    return found[0], found[1]
+            sides.append(np.ones(len(gap), bool))
+    return sides[0], sides[1]
 
 
 def _others_fit(shape: Shape, tall: Talls, used: set[int]) -> bool:
@@ -370,8 +370,8 @@ def _worktop_beside(
     least, most = np.minimum(*cooker), np.maximum(*cooker)
     cost = short(least, prices.COOKER_SIDES_M[0], price("cooker between worktops", area))
     cost = cost + short(most, prices.COOKER_SIDES_M[1], price("cooker beside 40", area))
-    own = (sink_cells * CELL_M - 0.6) / 2
-    least, most = np.minimum(*sink) + own, np.maximum(*sink) + own
+    half_m = (sink_cells * CELL_M - 0.6) / 2
+    least, most = np.minimum(*sink) + half_m, np.maximum(*sink) + half_m
     cost = cost + short(least, prices.SINK_END_M, price("sink at an end", area))
     cost = cost + short(least, prices.SINK_SIDES_M[0], price("sink beside 45", area))
     cost = cost + short(most, prices.SINK_SIDES_M[1], price("sink beside 60", area))
@@ -424,17 +424,17 @@ def _legs(site: Site, tall: Talls, sink: _Row, cooker: _Row) -> FloatArray:
 
 def _crossed(ways: FloatArray, sinks: FloatArray, cookers: FloatArray) -> BoolArray:
     """(S, C) whether one of the ways through goes between sink and cooker."""
-    found = np.zeros((len(sinks), len(cookers)), bool)
+    crossed = np.zeros((len(sinks), len(cookers)), bool)
     for start, end in ways:
         side_s, side_c = (_side(start, end, points) for points in (sinks, cookers))
         parted = side_s[:, None] * side_c[None] < 0.0
         along = cookers[None] - sinks[:, None]
         from_s, from_e = start - sinks[:, None], end - sinks[:, None]
         turns = [
-            along[..., 0] * one[..., 1] - along[..., 1] * one[..., 0] for one in (from_s, from_e)
+            along[..., 0] * leg[..., 1] - along[..., 1] * leg[..., 0] for leg in (from_s, from_e)
         ]
-        found |= parted & (turns[0] * turns[1] < 0.0)
-    return found
+        crossed |= parted & (turns[0] * turns[1] < 0.0)
+    return crossed
 
 
 def _side(start: FloatArray, end: FloatArray, points: FloatArray) -> FloatArray:
@@ -459,12 +459,12 @@ def _idle(shape: Shape, tall: Talls, used: set[int]) -> bool:
 
 def _washes(run: Run, sink: _Row, low: np.ndarray, high: np.ndarray) -> BoolArray:
     """Whether a dishwasher fits in beside the sink."""
-    found = np.zeros(np.broadcast_shapes(np.shape(low), np.shape(high)), bool)
+    allowed = np.zeros(np.broadcast_shapes(np.shape(low), np.shape(high)), bool)
     for gap, end in zip((low, high), run.ends, strict=True):
         hidden = run.hidden if end == "corner" else 0
         table = np.array(washed(hidden))
-        found = found | table[np.clip(gap, 0, len(table) - 1)]
-    return found
+        allowed = allowed | table[np.clip(gap, 0, len(table) - 1)]
+    return allowed
 
 
 def cheapest(
@@ -477,13 +477,15 @@ def cheapest(
 ) -> list[Found]:
     """The best kitchens of all depths, from the cheapest on; less deep ones, and compact ones, only
     where no other fits."""
-    found: list[Found] = []
+    layouts: list[Found] = []
     for nth, depth in enumerate(depths):
-        if found and found[0].cost < _GOOD:
+        if layouts and layouts[0].cost < _GOOD:
             break
         extra = nth * price("shallow", site.area_m2)
-        found += [replace(one, cost=one.cost + extra) for one in search(site, wanted, depth, rng)]
-        found.sort(key=lambda one: one.cost)
-    if not found and compact:
+        layouts += [
+            replace(layout, cost=layout.cost + extra) for layout in search(site, wanted, depth, rng)
+        ]
+        layouts.sort(key=lambda layout: layout.cost)
+    if not layouts and compact:
         return cheapest(site, replace(wanted, compact=True), rng, depths)
-    return found
+    return layouts

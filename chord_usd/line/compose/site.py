@@ -133,22 +133,31 @@ def site_of(house: SceneGraph, room: Room, stays: Iterable[Item], moves: Iterabl
     """A room of a house. stays: pieces that units stand beside; moves: pieces that may move."""
     corners = _straight(room.polygon_m)
     floor = room_polygon(room)
-    near = [one for one in house.rooms if room_polygon(one).dwithin(floor, TOUCH_M * 100)]
-    own = [one for one in house.openings if footprint_polygon(one.box).dwithin(floor, 0.15)]
-    clear = [(one, shape) for one, shape in clearances(near, own)
+    near = [other for other in house.rooms if room_polygon(other).dwithin(floor, TOUCH_M * 100)]
+    openings = [
+        opening for opening in house.openings if footprint_polygon(opening.box).dwithin(floor, 0.15)
+    ]
+    clear = [(opening, shape) for opening, shape in clearances(near, openings)
              if shape.intersection(floor).area > TOUCH_M]  # fmt: skip
-    touching = [one for one in open_borders(tuple(near), tuple(house.openings))
-                if room.id in one.room_ids]  # fmt: skip
-    borders = [one.box for one in (*touching, *filter(is_open_border, own))]
+    touching = [border for border in open_borders(tuple(near), tuple(house.openings))
+                if room.id in border.room_ids]  # fmt: skip
+    borders = [opening.box for opening in (*touching, *filter(is_open_border, openings))]
     standing = [footprint(item.box) for item in stays]
-    holes = [one for one in own if one.kind != "window"]
-    trim = _trim_of(list(dict.fromkeys(one for one, _ in clear)), room)
-    solid = _edges(corners, [footprint_polygon(one) for one in borders], ())
+    holes = [opening for opening in openings if opening.kind != "window"]
+    trim = _trim_of(list(dict.fromkeys(opening for opening, _ in clear)), room)
+    solid = _edges(corners, [footprint_polygon(border) for border in borders], ())
     lengths = np.hypot(*(np.roll(corners, -1, axis=0) - corners).T)
     longest = sorted(np.argsort(-lengths, kind="stable")[:_WALLS].tolist())
     walls = tuple(
         _wall(
-            index, corners, clear, own, [footprint(one) for one in borders], standing, trim, solid
+            index,
+            corners,
+            clear,
+            openings,
+            [footprint(border) for border in borders],
+            standing,
+            trim,
+            solid,
         )
         for index in longest
         if lengths[index] >= LEAST_WALL_M
@@ -156,18 +165,18 @@ def site_of(house: SceneGraph, room: Room, stays: Iterable[Item], moves: Iterabl
     return Site(
         area_m2=float(floor.area),
         walls=walls,
-        edges=_edges(corners, [footprint_polygon(one) for one in borders], standing),
+        edges=_edges(corners, [footprint_polygon(border) for border in borders], standing),
         doors=_ends(holes + touching),
         ways=_ways(_ends(holes), floor),
-        swings=tuple(shape for one, shape in clear if one.kind == "door"),
+        swings=tuple(shape for opening, shape in clear if opening.kind == "door"),
         pieces=tuple(shape for item in moves for shape in floor_of(item)),
-        sills=tuple(one.box.center_m[2] for one, _ in clear if one.kind == "window"),
+        sills=tuple(opening.box.center_m[2] for opening, _ in clear if opening.kind == "window"),
     )
 
 
 def _ends(openings: Sequence[Opening]) -> FloatArray:
     """(D, 2, 2)"""
-    ends = [[box_end(one, -0.5), box_end(one, 0.5)] for one in openings]
+    ends = [[box_end(opening, -0.5), box_end(opening, 0.5)] for opening in openings]
     return np.array(ends).reshape(-1, 2, 2)
 
 
@@ -212,8 +221,8 @@ def _wall(
     for opening, shape in clear:
         sill = opening.box.center_m[2] - DRIP_M[1] if opening.kind == "window" else _OUT
         blocks.append([*side.extent(shapely.get_coordinates(shape)), sill])
-    for one, low in trim:
-        s_from, s_to, t_from, t_to = side.extent(footprint(one))
+    for part, low in trim:
+        s_from, s_to, t_from, t_to = side.extent(footprint(part))
         gap = _TRIM_GAP_M
         # Drawers and doors of a unit pass before its front.
         blocks.append([s_from - gap, s_to + gap, t_from - gap - BEFORE_M, t_to + gap, low])
@@ -221,8 +230,8 @@ def _wall(
     blocks += _facing(side.local(solid).reshape(-1, 4))
     # No wall is behind what would stand at an open border.
     blocks += [[low, high, 0.0, 0.1, _OUT] for low, high in _along(side, borders)]
-    windows = [footprint(one.box) for one in openings if one.kind == "window"]
-    doors = [footprint(one.box) for one in openings if one.kind != "window"]
+    windows = [footprint(opening.box) for opening in openings if opening.kind == "window"]
+    doors = [footprint(opening.box) for opening in openings if opening.kind != "window"]
     return Wall(
         side.start_m, side.along, side.inward, side.length_m, index,
         np.array(blocks).reshape(-1, 5), edges,
@@ -232,8 +241,8 @@ def _wall(
 
 def _trim_of(openings: Iterable[Opening], room: Room) -> list[tuple[Box, float]]:
     """Casings and window boards, and the height from which they keep pieces out."""
-    found = [(leg, _OUT) for one in openings for leg in casings(one, room)]
-    return found + [(one, one.center_m[2]) for each in openings for one in boards(each, room)]
+    legs = [(leg, _OUT) for opening in openings for leg in casings(opening, room)]
+    return legs + [(board, board.center_m[2]) for each in openings for board in boards(each, room)]
 
 
 def _facing(edges: FloatArray) -> Iterator[list[float]]:
@@ -258,7 +267,7 @@ def _edges(
     corners: FloatArray, borders: Sequence[shapely.Polygon], standing: Sequence[FloatArray]
 ) -> FloatArray:
     ring = shapely.LinearRing(corners)
-    opened = shapely.union_all([one.buffer(0.02, cap_style="square") for one in borders])
+    opened = shapely.union_all([border.buffer(0.02, cap_style="square") for border in borders])
     lines = [shapely.get_coordinates(part) for part in shapely.get_parts(ring.difference(opened))]
     lines += [np.concatenate([shape, shape[:1]]) for shape in standing]
     return np.concatenate(
@@ -268,7 +277,9 @@ def _edges(
 
 def _ways(doors: FloatArray, floor: shapely.Polygon) -> FloatArray:
     inside = [_step_in(ends, floor) for ends in doors]
-    ways = [[one, other] for one, other in combinations(inside, 2) if math.dist(one, other) > 0.5]
+    ways = [
+        [first, other] for first, other in combinations(inside, 2) if math.dist(first, other) > 0.5
+    ]
     return np.array(ways).reshape(-1, 2, 2)
 
 

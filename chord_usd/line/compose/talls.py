@@ -73,7 +73,7 @@ def _at_end(
 ) -> Iterator[Talls]:  # fmt: skip
     index, end = place
     run = shape.runs[index]
-    worktop = sum(one.cells for one in shape.runs) * CELL_M - worktop_m(site.area_m2)
+    worktop = sum(run.cells for run in shape.runs) * CELL_M - worktop_m(site.area_m2)
     for tower in (False, True)[: 1 + towers]:
         cells = TALL_CELLS * (1 + tower)
         spare = worktop - cells * CELL_M
@@ -113,16 +113,16 @@ def _apart(site: Site, shape: Shape) -> Iterator[Talls]:
     ])  # fmt: skip
     stood_on = shapely.union_all([run.footprint for run in shape.runs])
     length = TALL_CELLS * CELL_M
-    found = []
+    options = []
     for wall in site.walls:
         for a, b in wall.spans(TALL_DEPTH_M, TALL_HEIGHT_M, length):
             for low in dict.fromkeys((round(a, 4), round(b - length, 4))):
                 box = shapely.Polygon(wall.rectangle(low, low + length, 0.0, TALL_DEPTH_M))
                 is_clear = box.intersection(stood_on).area < TOUCH_M
                 if is_clear and box.intersection(kept).area < _BESIDE_M2:
-                    found.append(_one_apart(site, shape, wall, low))
-    found.sort(key=lambda one: one.cost)
-    yield from found[:_ALONE]
+                    options.append(_one_apart(site, shape, wall, low))
+    options.sort(key=lambda option: option.cost)
+    yield from options[:_ALONE]
 
 
 def _one_apart(site: Site, shape: Shape, wall: Wall, low: float) -> Talls:

@@ -30,7 +30,7 @@ def splits(gap: int) -> tuple[tuple[int, ...], ...]:
         rest = splits(gap - width) if gap >= width else ()
         for way in rest:
             row = tuple(sorted((*way, width)))
-            cost = sum(2 if one < _NARROW else 1 for one in row)
+            cost = sum(2 if width < _NARROW else 1 for width in row)
             if cost < fewest:
                 best, fewest = {}, cost
             if cost == fewest:
@@ -39,14 +39,14 @@ def splits(gap: int) -> tuple[tuple[int, ...], ...]:
 
 
 def _narrow(gap: int) -> int:
-    return min((sum(one < _NARROW for one in way) for way in splits(gap)), default=0)
+    return min((sum(width < _NARROW for width in way) for way in splits(gap)), default=0)
 
 
 FITS = np.array([bool(splits(gap)) for gap in range(LONGEST)])
 """(LONGEST,) whether units fill a gap."""
 NARROW = np.array([_narrow(gap) for gap in range(LONGEST)])
 """(LONGEST,) pull-outs in a gap that units fill."""
-FILLED = np.array([max(one for one in range(gap + 1) if FITS[one]) for gap in range(LONGEST)])
+FILLED = np.array([max(width for width in range(gap + 1) if FITS[width]) for gap in range(LONGEST)])
 """(LONGEST,) most of a gap that units fill."""
 
 
@@ -72,6 +72,6 @@ def washed(hidden: int) -> tuple[bool, ...]:
     """By gap, whether a dishwasher and others fill it. hidden: cells of a unit in its corner."""
     corner = hidden + CORNER_DOORS[-1] if hidden else 0
     return tuple(
-        any(gap - corner - one >= 0 and FITS[gap - corner - one] for one in DISHWASHERS)
+        any(gap - corner - width >= 0 and FITS[gap - corner - width] for width in DISHWASHERS)
         for gap in range(LONGEST)
     )

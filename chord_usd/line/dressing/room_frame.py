@@ -148,7 +148,7 @@ class RoomFrame:
         item = Item(f"{len(self.placed)}", asset.category, rounded(box), self.room.id,
                     self.stock.fetch(asset))  # fmt: skip
         if rests_on is not None:
-            item = item.found(rests_on=rests_on)
+            item = item.with_facts(rests_on=rests_on)
         self.placed.append(item)
         self.taken.add(item.box, reason, item.id)
         take_swings(self.taken, (item,), leaves_of)
@@ -243,5 +243,5 @@ def named(items: Iterable[Item], room_id: str, taken_ids: Collection[str]) -> It
         ids[item.id] = new_id
         rests_on = item.facts.rests_on
         if rests_on is not None and rests_on in ids:
-            item = item.found(rests_on=ids[rests_on])
+            item = item.with_facts(rests_on=ids[rests_on])
         yield replace(item, id=new_id)

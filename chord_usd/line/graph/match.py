@@ -155,7 +155,7 @@ def _matched(item: Item, database: Database, desks: BaseGeometry, bare: Collecti
         _matched(_raised(child, raised_m), database, desks, bare) for child in item.children
     )
     matched = replace(item, asset=asset, box=box, children=children)
-    return matched.found(asset_distance_m=round(missed_m, 6))
+    return matched.with_facts(asset_distance_m=round(missed_m, 6))
 
 
 def _raised(child: Item, by_m: float) -> Item:

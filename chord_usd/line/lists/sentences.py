@@ -30,7 +30,7 @@ class Understood:
     @property
     def told(self) -> list[str]:
         """In words, one line for each thing to do."""
-        return [intent.told for intent in self.intents]
+        return [intent.wording for intent in self.intents]
 
 
 def understand(sentence: str, graph: SceneGraph, rooms: Mapping[str, Room]) -> Understood:
@@ -46,7 +46,7 @@ def understand(sentence: str, graph: SceneGraph, rooms: Mapping[str, Room]) -> U
         try:
             found = reader.intents(clause, following)
         except ChordError as error:
-            known = "; ".join(one.told for one in intents)
+            known = "; ".join(one.wording for one in intents)
             raise _with_known(error, known) if known else error from None
         intents += [one for one in found if one not in intents]
     if not intents:
@@ -80,7 +80,7 @@ def _refuse_contradictions(intents: Sequence[Intent]) -> None:
             clash = clash or _comes_and_goes(one, other)
             if clash:
                 raise ChordError(
-                    f"'{one.told}' and '{other.told}' contradict each other", where=WHERE,
+                    f"'{one.wording}' and '{other.wording}' contradict each other", where=WHERE,
                     expected="one of the two",
                 )  # fmt: skip
 

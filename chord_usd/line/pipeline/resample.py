@@ -464,4 +464,4 @@ def as_listed(
 def _seen(item: Item, frame: PixelFrame) -> Item:
     """The piece as the picture shows it, which does not tell its height."""
     corners = px_from_m(footprint(item.box), frame).round(2).tolist()
-    return item.found(source_px=tuple((x, y) for x, y in corners), front_from="mark")
+    return item.with_facts(source_px=tuple((x, y) for x, y in corners), front_from="mark")

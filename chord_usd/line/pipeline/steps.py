@@ -185,7 +185,7 @@ def score_outliers(graph: SceneGraph, plan_image: PlanImage, model: LayoutModel)
 
     scores = NoiseError(model).item_scores(plan_image, graph.items)
     items = tuple(
-        item.found(ood=scores[item.id]) if item.id in scores else item for item in graph.items
+        item.with_facts(ood=scores[item.id]) if item.id in scores else item for item in graph.items
     )
     return replace(graph, items=items)
 

@@ -68,7 +68,7 @@ class Sketcher:
         """So many diagrams, each from a programme of its own; same seed, same diagrams."""
         rng = np.random.default_rng(seed)
         lines = _begun(self._headings(wish, ground.shell, count, rng))
-        likelihood = self._tell_rooms(lines, ground, rng)
+        likelihood = self._sample_rooms(lines, ground, rng)
         return [
             _sketch(roles, values, float(total))
             for roles, values, total in zip(lines.roles, lines.values, likelihood, strict=True)
@@ -82,7 +82,7 @@ class Sketcher:
         heading = self._headings(wish, ground.shell, 1, rng)[0]
         return dict(tokens.counts_of(heading))
 
-    def _tell_rooms(
+    def _sample_rooms(
         self, lines: tokens.Sequences, ground: Ground, rng: np.random.Generator
     ) -> npt.NDArray[np.float64]:
         """Fill in the bubbles of all lines; (B,) the log chance of each line's."""

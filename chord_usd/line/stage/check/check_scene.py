@@ -188,7 +188,9 @@ class _Reader:
         carriers = {
             item.id: self._paths.get(item.facts.rests_on or "", "") for item in self.dressing
         }
-        self.dressing = [item.found(rests_on=carriers[item.id] or None) for item in self.dressing]
+        self.dressing = [
+            item.with_facts(rests_on=carriers[item.id] or None) for item in self.dressing
+        ]
         self.bodies = [
             replace(body, parent=carriers[body.path]) if carriers.get(body.path) else body
             for body in self.bodies
