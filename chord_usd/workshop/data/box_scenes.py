@@ -45,7 +45,7 @@ OBJECT_TYPES_FILE = "dataset_stats.txt"
 """JSON; lies beside the folders of the rooms."""
 
 LEFT_OUT = "leftOut"
-"""Key of SceneGraph.extra: how many boxes of each label have no category of ours."""
+"""Key of SceneGraph.extra: how many boxes of each label have no category here."""
 
 _ROOM_KEYS = ("floor_plan_vertices", "floor_plan_faces", "floor_plan_centroid", "scene_type")
 _NO_BOX = frozenset(("start", "end", "empty"))

@@ -58,7 +58,9 @@ def clean(house: SceneGraph) -> Cleaned:
     house = house.without(removed)
     removed |= dict.fromkeys(_colliding(house), "colliding")
     house = house.without(removed)
-    blocking = (one.item for one in violations(house) if one.kind == "before an opening")
+    blocking = (
+        violation.item for violation in violations(house) if violation.kind == "before an opening"
+    )
     removed |= dict.fromkeys(blocking, "blocking")
     house = house.without(removed)
     empty = tuple(empty_rooms(house))
@@ -89,7 +91,7 @@ def _is_usual(item: Item) -> bool:
 def _colliding(house: SceneGraph) -> list[str]:
     """The smaller of each colliding pair, the worst offenders first, until none collides."""
     area_m2 = {item.id: item.box.size_m[0] * item.box.size_m[1] for item in house.items}
-    pairs = [one.items for one in violations(house) if one.kind == "overlap"]
+    pairs = [violation.items for violation in violations(house) if violation.kind == "overlap"]
     gone: list[str] = []
     while pairs:
         often = Counter(item for pair in pairs for item in pair)

@@ -2,7 +2,7 @@
 
 The paper's sentence form (supplementary, "Text-conditioned floor planning") and the ways in which
 people and estate agents write: numbers as digits or words, square metres or feet, some rooms
-mentioned and others not, rooms that shall not be there.
+mentioned and others not, rooms that are not wanted.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _OTHER_NAMES: dict[RoomKind, tuple[tuple[str, str], ...]] = {
     "study": (("home office", "home offices"),),
     "store": (("storage room", "storage rooms"), ("closet", "closets")),
 }
-"""Beside those of wish.NAMES: one of them, several."""
+"""Words beside wish.NAMES: singular, plural."""
 
 _PAPER_KINDS: tuple[RoomKind, ...] = ("living", "bedroom", "kitchen", "bathroom")
 
@@ -80,7 +80,7 @@ def describe(plan: Plan, rng: np.random.Generator) -> Description:
 
 
 def _free(wish: Wish, rng: np.random.Generator) -> Description:
-    """Free English; areas are told in round figures, and the wish is what is told."""
+    """Free English; areas are in round figures, and the wish holds what the words say."""
     counts = dict(wish.counts)
     dwelling = str(rng.choice(_DWELLINGS))
     head = str(rng.choice(_OPENINGS))

@@ -139,6 +139,6 @@ def _gaps(items: list[Item]) -> Iterator[tuple[Key, float]]:
         others = [p for p, item in zip(prints, items, strict=True) if item.category == second]
         if not others:
             continue
-        for own, item in zip(prints, items, strict=True):
+        for outline, item in zip(prints, items, strict=True):
             if item.category == first:
-                yield ("gap m", f"{first} - {second}"), min(own.distance(o) for o in others)
+                yield ("gap m", f"{first} - {second}"), min(outline.distance(o) for o in others)

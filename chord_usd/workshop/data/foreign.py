@@ -105,7 +105,7 @@ def _read(path: Path, models: Models) -> Found:
         if path.suffix == ".npz":
             return Found(name, house_from_record(read_boxes(path), models))
         refuse_odd_file(path, SceneError, MOST_LINE_BYTES)
-        return _found(name, path.read_bytes(), models)
+        return _converted(name, path.read_bytes(), models)
     except ChordError as error:
         return Found(name, None, str(error))
 
@@ -113,12 +113,12 @@ def _read(path: Path, models: Models) -> Found:
 def _lines(path: Path, models: Models) -> Iterator[Found]:
     taken: set[str] = set()
     for number, line in read_lines(path, SceneError):
-        found = _found(f"{path.name.split('.')[0]}_{number:06d}", line, models)
-        own = _as_name(str(found.house.extra.get("source", ""))) if found.house else ""
+        record = _converted(f"{path.name.split('.')[0]}_{number:06d}", line, models)
+        source = _as_name(str(record.house.extra.get("source", ""))) if record.house else ""
         # Houses that call themselves the same are still two, also where case does not count.
-        name = own if own and own.casefold() not in taken else found.name
+        name = source if source and source.casefold() not in taken else record.name
         taken.add(name.casefold())
-        yield found._replace(name=name)
+        yield record._replace(name=name)
 
 
 def _as_name(source: str) -> str:
@@ -126,7 +126,7 @@ def _as_name(source: str) -> str:
     return _NOT_IN_NAMES.sub("_", source)[:_LONGEST_NAME]
 
 
-def _found(name: str, data: bytes, models: Models) -> Found:
+def _converted(name: str, data: bytes, models: Models) -> Found:
     try:
         return Found(name, house_from_record(parse_json(data, "", SceneError), models))
     except ChordError as error:

@@ -21,4 +21,6 @@ def nudged(box: Box, floor: BaseGeometry, steps_m: Sequence[float]) -> Box:
     steps = (0.0, *steps_m, *(-step for step in steps_m))
     moves = sorted(product(steps, steps), key=lambda move: abs(move[0]) + abs(move[1]))
     moved = [replace(box, center_m=(x + dx, y + dy, z)) for dx, dy in moves]
-    return min(moved, key=lambda own: round(footprint_polygon(own).difference(floor).area, 4))
+    return min(
+        moved, key=lambda candidate: round(footprint_polygon(candidate).difference(floor).area, 4)
+    )

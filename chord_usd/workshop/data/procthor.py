@@ -92,7 +92,7 @@ def house_from_procthor(record: Mapping[str, Any], sizes: Sizes) -> SceneGraph:
     size of their category.
     """
     try:
-        rooms = tuple(_room(own) for own in record["rooms"])
+        rooms = tuple(_room(entry) for entry in record["rooms"])
         walls = {wall["id"]: wall["polygon"] for wall in record["walls"]}
         ids = {room.id for room in rooms}
         doors = enumerate(record["doors"], start=1)
@@ -101,22 +101,24 @@ def house_from_procthor(record: Mapping[str, Any], sizes: Sizes) -> SceneGraph:
             *(_opening("door", index, hole, walls, ids) for index, hole in doors),
             *(_opening("window", index, hole, walls, ids) for index, hole in windows),
         )
-        found = [_item(own, rooms, sizes, number) for number, own in enumerate(record["objects"])]
+        items = [
+            _item(entry, rooms, sizes, number) for number, entry in enumerate(record["objects"])
+        ]
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         raise SceneError(f"no house of ProcTHOR: {error!r}") from None
-    return SceneGraph(rooms, openings, tuple(item for item in found if item is not None))
+    return SceneGraph(rooms, openings, tuple(item for item in items if item is not None))
 
 
-def _room(own: Mapping[str, Any]) -> Room:
-    corners = [(float(p["x"]), float(p["z"])) for p in own["floorPolygon"]]
+def _room(entry: Mapping[str, Any]) -> Room:
+    corners = [(float(p["x"]), float(p["z"])) for p in entry["floorPolygon"]]
     refuse_unreachable(corners)
     floor = Polygon(corners)
     face = floor.buffer(-WALL_THICKNESS_M / 2, join_style="mitre")
     if not isinstance(face, Polygon) or face.is_empty:
-        raise SceneError("a room is narrower than its walls", where=str(own["id"]))
+        raise SceneError("a room is narrower than its walls", where=str(entry["id"]))
     outline = frozen_array(orient(face).simplify(1e-3).exterior.coords[:-1])
-    kind = _KINDS.get(own["roomType"], "unknown")
-    return Room(str(own["id"]), kind, outline, str(own["roomType"]))
+    kind = _KINDS.get(entry["roomType"], "unknown")
+    return Room(str(entry["id"]), kind, outline, str(entry["roomType"]))
 
 
 def _opening(
@@ -145,19 +147,21 @@ def _opening(
     return Opening(f"{kind}{index}", "passage" if is_passage else kind, box, rooms)
 
 
-def _item(own: Mapping[str, Any], rooms: Sequence[Room], sizes: Sizes, number: int) -> Item | None:
-    category = CATEGORY.get(str(own["id"]).split("|")[0])
+def _item(
+    entry: Mapping[str, Any], rooms: Sequence[Room], sizes: Sizes, number: int
+) -> Item | None:
+    category = CATEGORY.get(str(entry["id"]).split("|")[0])
     if category is None:
         return None
-    x, y = float(own["position"]["x"]), float(own["position"]["z"])
+    x, y = float(entry["position"]["x"]), float(entry["position"]["z"])
     refuse_unreachable((x, y))
     home = min(rooms, key=lambda room: room_polygon(room).distance(Point(x, y)))
     if category == "side_coffee_table" and home.kind == "bedroom":
         category = "bedside_table"
     row = CATEGORIES[category]
     usual = tuple(sum(span) / 2 for span in (row.length_m, row.width_m, row.height_m))
-    size = sizes.get(own.get("assetId", ""), usual)
-    yaw_deg = (180.0 - float(own["rotation"]["y"]) + 180.0) % 360.0 - 180.0
+    size = sizes.get(entry.get("assetId", ""), usual)
+    yaw_deg = (180.0 - float(entry["rotation"]["y"]) + 180.0) % 360.0 - 180.0
     box = Box((x, y, row.mount_height_m), (size[0], size[1], size[2]), yaw_deg)
     return Item(
         f"{home.id}/{category}_{number}",

@@ -83,8 +83,8 @@ class _Frame:
         north, top = self.south + self.hall, self.depth
         low, high = self.bay or (self.width, self.width)
         spans = [(0, low), (high, self.width)]
-        found: list[Bounds] = [(0, 0, self.width, self.south)]
-        return found + [(a, north, b, top) for a, b in spans if b > a]
+        slots: list[Bounds] = [(0, 0, self.width, self.south)]
+        return slots + [(a, north, b, top) for a, b in spans if b > a]
 
 
 def random_storeys(
@@ -180,7 +180,7 @@ def _fill(dice: Dice, frame: _Frame, sketch: Sketch, level: int) -> None:
     held: list[list[RoomKind]] = [[] for _ in slots]
     for number, kind in enumerate(wanted):
         free = [
-            (slot[2] - slot[0] - sum(_WIDTHS[own][0] for own in rooms), index)
+            (slot[2] - slot[0] - sum(_WIDTHS[room][0] for room in rooms), index)
             for index, (slot, rooms) in enumerate(zip(slots, held, strict=True))
         ]
         fitting = [pair for pair in free if pair[0] >= _WIDTHS[kind][0]]
@@ -221,7 +221,7 @@ def _keep_clear(walls: Walls, stair: Stair) -> None:
     half_x, half_y = across / STEP_M / 2 + HALF_WALL + 2, along / STEP_M / 2 + HALF_WALL + 2
     area = (x - half_x, y - half_y, x + half_x, y + half_y)
     for stretches in (*walls.shared.values(), *walls.outer.values()):
-        stretches[:] = [part for one in stretches for part in _outside(one, area)]
+        stretches[:] = [part for stretch in stretches for part in _outside(stretch, area)]
 
 
 def _outside(stretch: Stretch, area: Bounds) -> list[Stretch]:
@@ -231,24 +231,24 @@ def _outside(stretch: Stretch, area: Bounds) -> list[Stretch]:
     if not area[1 - axis] < line < area[3 - axis]:
         return [stretch]
     spans = [(low, min(high, area[axis])), (max(low, area[axis + 2]), high)]
-    found = []
+    pieces = []
     for start, end in spans:
         if end - start > 2 * MARGIN:
             at = (start, line) if axis == 0 else (line, start)
-            found.append(replace(stretch, start=at, length=end - start))
-    return found
+            pieces.append(replace(stretch, start=at, length=end - start))
+    return pieces
 
 
 def _posed(plan: Plan, frame: _Frame, level: int, storeys: int, pose: Pose) -> Plan:
     """The plan turned and mirrored, with its stairs up and down."""
 
-    def own(stair: Stair) -> Stair:
+    def in_pose(stair: Stair) -> Stair:
         turn = stair.turn
         if pose.mirrored:
             turn = "left" if turn == "right" else "right"
         return replace(stair, box=pose.box(stair.box), turn=turn)
 
-    up, down = own(frame.stair_at(level)), own(frame.stair_at(level - 1))
+    up, down = in_pose(frame.stair_at(level)), in_pose(frame.stair_at(level - 1))
     shown = [replace(up, id=f"stair{level}", leads="up")] if level < storeys - 1 else []
     shown += [replace(down, id=f"stair{level}_down", leads="down")] if level else []
-    return replace(posed(plan, pose), extra={STAIRS: [stair_to_json(one) for one in shown]})
+    return replace(posed(plan, pose), extra={STAIRS: [stair_to_json(stair) for stair in shown]})

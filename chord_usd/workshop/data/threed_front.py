@@ -92,9 +92,9 @@ def read_models(path: Path) -> dict[str, str]:
 def house_from_front(record: Mapping[str, Any], models: Mapping[str, str]) -> SceneGraph:
     """A house of 3D-FRONT: rooms from their floor meshes, furniture by the remap table.
 
-    models: category by model id, where the house does not say it itself. Sizes are those of the
-    models times the scale they stand in. Doors and windows are not read: 3D-FRONT keeps them as
-    loose meshes. Raises SceneError where a key is missing or no room has a floor.
+    models: category by model id, where the house does not say it itself. Sizes are the
+    models' sizes times the scale they stand in. Doors and windows are not read: 3D-FRONT keeps
+    them as loose meshes. Raises SceneError where a key is missing or no room has a floor.
     """
     try:
         furniture = {f["uid"]: f for f in record["furniture"] if f.get("valid", True)}
@@ -102,13 +102,13 @@ def house_from_front(record: Mapping[str, Any], models: Mapping[str, str]) -> Sc
         _refuse_crowded(record["scene"]["room"], floors)
         rooms: list[Room] = []
         items: list[Item] = []
-        for own in record["scene"]["room"]:
-            polygon = _floor([floors[c["ref"]] for c in own["children"] if c["ref"] in floors])
+        for entry in record["scene"]["room"]:
+            polygon = _floor([floors[c["ref"]] for c in entry["children"] if c["ref"] in floors])
             if polygon is None:
                 continue
-            room = Room(str(own["instanceid"]), kind_of(own["type"]), polygon, own["type"])
+            room = Room(str(entry["instanceid"]), kind_of(entry["type"]), polygon, entry["type"])
             rooms.append(room)
-            for child in own["children"]:
+            for child in entry["children"]:
                 item = _placed(child, furniture.get(child["ref"]), models, room.id, len(items))
                 if item:
                     items.append(item)
@@ -202,9 +202,9 @@ def room_from_record(record: Mapping[str, Any], where: str = "") -> SceneGraph:
         kind = kind_of(record["room_type"])
         room = Room("room", kind, frozen_array(outline.exterior.coords[:-1]), record["room_type"])
         items = [
-            _item(category, found["pos"], found["rot"], found["size"], room.id, number)
-            for number, found in enumerate(record["objects"])
-            if (category := category_of(found["category"])) is not None
+            _item(category, entry["pos"], entry["rot"], entry["size"], room.id, number)
+            for number, entry in enumerate(record["objects"])
+            if (category := category_of(entry["category"])) is not None
         ]
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise SceneError(f"no room of 3D-FRONT: {error!r}", where=where) from None
@@ -232,7 +232,7 @@ def item_at(
     room_id: str,
     number: int,
 ) -> Item:
-    """A piece of ours where 3D-FRONT has one.
+    """A piece of this package where 3D-FRONT has one.
 
     pos: x, y, z of its middle, of which y does not matter: ours stand where their category does.
     turn_deg: about y; size: along its own x, y and z.

@@ -61,14 +61,14 @@ class Cases:
         """What a user should know of the files skipped: how many, and the first of them."""
         if not self.skipped:
             return []
-        told = list(self.skipped[:_MOST_TOLD])
-        more = len(self.skipped) - len(told)
+        shown = list(self.skipped[:_MOST_TOLD])
+        more = len(self.skipped) - len(shown)
         rest = [f"and {more} more"] if more else []
-        return [f"{counted(len(self.skipped), 'file')} skipped:", *told, *rest]
+        return [f"{counted(len(self.skipped), 'file')} skipped:", *shown, *rest]
 
 
 def procedural_cases(split: Split, count: int, start: int = 0) -> Cases:
-    """Procedural houses; those of the split "test" are never trained on (data.splits).
+    """Procedural houses; houses of the split "test" are never trained on (data.splits).
 
     start: how many of the split to leave out first.
     """
@@ -101,11 +101,11 @@ def folder_cases(folder: Path, split: Split, count: int | None = None) -> Cases:
         except ChordError as error:
             skipped.append(str(error))
     if not cases:
-        found = f"{len(chosen)} of {len(files)} files are of split {split!r}"
+        share = f"{len(chosen)} of {len(files)} files are of split {split!r}"
         raise SceneError(
             "holds no house that can be read",
             where=str(folder),
-            expected=f"CHOrD JSON; {found}, {len(skipped)} of them broken",
+            expected=f"CHOrD JSON; {share}, {len(skipped)} of them broken",
             try_=skipped[0] if skipped else "--split all",
         )
     return Cases(tuple(cases), tuple(skipped))

@@ -67,56 +67,56 @@ def _spoil(scene: SceneGraph, rng: np.random.Generator, per_room: int, find: _Fi
         for index in rng.permutation(len(standing))[: 4 * per_room]:
             if sum(item.id in moved for item in standing) == per_room:
                 break
-            one = standing[int(index)]
-            others = [items[item.id] for item in standing if item.id != one.id]
-            found = None if one.id in fixed else find(one, others, room, rng)
-            if found is not None:
-                items[one.id], anchor = found
-                fixed.update((anchor, one.id))
-                moved.append(one.id)
+            piece = standing[int(index)]
+            others = [items[item.id] for item in standing if item.id != piece.id]
+            spoilt = None if piece.id in fixed else find(piece, others, room, rng)
+            if spoilt is not None:
+                items[piece.id], anchor = spoilt
+                fixed.update((anchor, piece.id))
+                moved.append(piece.id)
     return Spoilt(replace(scene, items=tuple(items.values())), tuple(moved))
 
 
 def _into_another(
-    one: Item, others: Sequence[Item], room: Room, rng: np.random.Generator
+    item: Item, others: Sequence[Item], room: Room, rng: np.random.Generator
 ) -> tuple[Item, str] | None:
     """The piece moved into one of the others, and which."""
     floor = room_polygon(room)
     for index in rng.permutation(len(others)):
         other = others[int(index)]
-        if overlaps_by_nature(one, other):
+        if overlaps_by_nature(item, other):
             continue
         shape = footprint_polygon(other.box)
-        reach_m = (np.hypot(*one.box.size_m[:2]) + np.hypot(*other.box.size_m[:2])) / 2
+        reach_m = (np.hypot(*item.box.size_m[:2]) + np.hypot(*other.box.size_m[:2])) / 2
         for _ in range(_TRIES // len(others) + 1):
             offset_m = rng.uniform(-reach_m, reach_m, size=2)
-            moved = _moved_to(one, np.array(other.box.center_m[:2]) + offset_m)
-            own = footprint_polygon(moved.box)
-            shared_m2 = own.intersection(shape).area
-            if shared_m2 >= LEAST_SHARE * min(own.area, shape.area) and floor.covers(own):
+            moved = _moved_to(item, np.array(other.box.center_m[:2]) + offset_m)
+            outline = footprint_polygon(moved.box)
+            shared_m2 = outline.intersection(shape).area
+            if shared_m2 >= LEAST_SHARE * min(outline.area, shape.area) and floor.covers(outline):
                 return moved, other.id
     return None
 
 
 def _clear_of_all(
-    one: Item, others: Sequence[Item], room: Room, rng: np.random.Generator
+    item: Item, others: Sequence[Item], room: Room, rng: np.random.Generator
 ) -> tuple[Item, str] | None:
     """The piece moved to a free place of its room, at least half its own size away."""
     floor = room_polygon(room)
     west, south, east, north = floor.bounds
     shapes = [footprint_polygon(other.box) for other in others]
-    least_m = max(one.box.size_m[:2]) / 2
+    least_m = max(item.box.size_m[:2]) / 2
     for _ in range(_TRIES):
-        moved = _moved_to(one, rng.uniform((west, south), (east, north)))
-        own = footprint_polygon(moved.box)
-        step_m = np.hypot(*(np.array(moved.box.center_m) - one.box.center_m)[:2])
-        if step_m >= least_m and floor.covers(own) and _is_clear(own, shapes):
-            return moved, one.id
+        moved = _moved_to(item, rng.uniform((west, south), (east, north)))
+        outline = footprint_polygon(moved.box)
+        step_m = np.hypot(*(np.array(moved.box.center_m) - item.box.center_m)[:2])
+        if step_m >= least_m and floor.covers(outline) and _is_clear(outline, shapes):
+            return moved, item.id
     return None
 
 
-def _is_clear(own: Polygon, shapes: Sequence[Polygon]) -> bool:
-    return all(own.intersection(shape).area <= MIN_OVERLAP_M2 for shape in shapes)
+def _is_clear(outline: Polygon, shapes: Sequence[Polygon]) -> bool:
+    return all(outline.intersection(shape).area <= MIN_OVERLAP_M2 for shape in shapes)
 
 
 def _moved_to(item: Item, center_m: np.ndarray) -> Item:

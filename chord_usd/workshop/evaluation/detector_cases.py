@@ -33,7 +33,7 @@ class Case:
     plan: Plan | None
     """None where only the picture is known."""
     shaded: bool
-    """Whether the floors tell the kinds of the rooms."""
+    """Whether the floors show the kinds of the rooms."""
 
 
 def clean_cases(count: int) -> Iterator[Case]:

@@ -51,7 +51,7 @@ def score_checkpoint(kind: Kind, folder: Path, cases: Sequence[Case]) -> Network
 def score_item_detector(cases: Sequence[Case], detector: ItemDetector) -> NetworkScores:
     """Oriented boxes against the items of these layouts, both LEAST_SIDE_PX long and wide at least:
     how the network is taught them."""
-    found: list[Proposal] = []
+    proposals: list[Proposal] = []
     truths: list[int] = []
     for case in cases:
         rows = detector.rows(case.layout.rgb, LEAST_SCORE)
@@ -60,14 +60,16 @@ def score_item_detector(cases: Sequence[Case], detector: ItemDetector) -> Networ
         boxes = [_as_cv(taught_box(item.box, frame)) for item in case.items]
         labels = [category(item.category).detector_class for item in case.items]
         overlap = np.array([[_box_iou(a, b) for b in boxes] for a in mine])
-        found += judged(rows[:, 5].astype(int), rows[:, 4], overlap, np.array(labels, dtype=int))
+        proposals += judged(
+            rows[:, 5].astype(int), rows[:, 4], overlap, np.array(labels, dtype=int)
+        )
         truths += labels
-    return _scores("items", found, truths)
+    return _scores("items", proposals, truths)
 
 
 def score_room_segmenter(cases: Sequence[Case], segmenter: RoomSegmenter) -> NetworkScores:
     """Masks against the rooms of the cases whose plan is known."""
-    found: list[Proposal] = []
+    proposals: list[Proposal] = []
     truths: list[int] = []
     for case in cases:
         if case.plan is None:
@@ -82,13 +84,13 @@ def score_room_segmenter(cases: Sequence[Case], segmenter: RoomSegmenter) -> Net
         )
         kinds = np.array([ROOM_CLASSES.index(room.kind) for room in rooms], dtype=int)
         scores = np.array([room.score for room in rooms])
-        found += judged(kinds, scores, overlap, np.array(labels, dtype=int))
+        proposals += judged(kinds, scores, overlap, np.array(labels, dtype=int))
         truths += labels
-    return _scores("rooms", found, truths)
+    return _scores("rooms", proposals, truths)
 
 
-def _scores(kind: Kind, found: Sequence[Proposal], truths: Sequence[int]) -> NetworkScores:
-    precisions = average_precisions(found, np.array(truths, dtype=int))
+def _scores(kind: Kind, proposals: Sequence[Proposal], truths: Sequence[int]) -> NetworkScores:
+    precisions = average_precisions(proposals, np.array(truths, dtype=int))
     by_class = {CLASSES[kind][label]: round(value, 4) for label, value in precisions.items()}
     mean = float(np.mean(list(precisions.values()))) if precisions else 0.0
     return NetworkScores(round(mean, 4), by_class, len(truths))

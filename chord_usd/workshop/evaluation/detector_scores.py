@@ -93,11 +93,11 @@ class StepSums:
         self.room_ious: list[float] = []
         self.room_kinds: list[bool] = []
 
-    def add(self, found: Sequence[Item], truth: Sequence[Item], m_per_px: float) -> None:
+    def add(self, items: Sequence[Item], truth: Sequence[Item], m_per_px: float) -> None:
         """What was read in one layout, and what is in it."""
-        pairs = match_items(found, truth)
+        pairs = match_items(items, truth)
         self.truths += len(truth)
-        self.found += len(found)
+        self.found += len(items)
         self.right += len(pairs)
         for mine, true in pairs:
             off = abs(wrap_deg(mine.box.yaw_deg - true.box.yaw_deg))
@@ -138,11 +138,11 @@ class _Tally:
             self.with_plan.add(graph.items, case.items, m_per_px)
 
 
-def _kinds_right(found: Plan, truth: Plan) -> list[bool]:
+def _kinds_right(plan: Plan, truth: Plan) -> list[bool]:
     """For each true room of known kind, whether the room read at its place has that kind."""
     from chord_usd.base.scene.geometry import room_polygon
 
-    floors = [(room.kind, room_polygon(room)) for room in found.rooms]
+    floors = [(room.kind, room_polygon(room)) for room in plan.rooms]
     results = []
     for room in truth.rooms:
         if room.kind == "unknown":

@@ -41,9 +41,9 @@ def draw_sheet(
 
 def _boxes(case: Case, detector: ItemDetector) -> ByteArray:
     picture = enlarged(case.layout.rgb, ENLARGE)
-    for found in detector.detect(case.layout.rgb):
-        corners = np.rint(found.corners_px * ENLARGE).astype(np.int32)
-        row = category(found.category)
+    for detection in detector.detect(case.layout.rgb):
+        corners = np.rint(detection.corners_px * ENLARGE).astype(np.int32)
+        row = category(detection.category)
         # Colours darkened: they lie over the same colour.
         colour = tuple(int(value * 0.6) for value in row.rgb)
         cv2.polylines(picture, [corners], True, colour, 1, cv2.LINE_AA)
@@ -55,14 +55,14 @@ def _boxes(case: Case, detector: ItemDetector) -> ByteArray:
 def _rooms(case: Case, segmenter: RoomSegmenter) -> ByteArray:
     rgb = case.layout.rgb.astype(np.float32)
     proposals = segmenter.segment(case.layout.rgb)
-    for found in reversed(proposals):
-        tint = np.array(ROOM_RGB[found.kind], dtype=np.float32)
-        rgb[found.mask] = (1 - _ROOM_OPACITY) * rgb[found.mask] + _ROOM_OPACITY * tint
+    for proposal in reversed(proposals):
+        tint = np.array(ROOM_RGB[proposal.kind], dtype=np.float32)
+        rgb[proposal.mask] = (1 - _ROOM_OPACITY) * rgb[proposal.mask] + _ROOM_OPACITY * tint
     picture = enlarged(rgb.astype(np.uint8), ENLARGE)
-    for found in proposals:
-        rows, columns = np.nonzero(found.mask)
+    for proposal in proposals:
+        rows, columns = np.nonzero(proposal.mask)
         if len(rows):
             at = (int(columns.mean() - 8) * ENLARGE, int(rows.mean()) * ENLARGE)
-            text = f"{found.kind} {found.score:.2f}"
+            text = f"{proposal.kind} {proposal.score:.2f}"
             cv2.putText(picture, text, at, cv2.FONT_HERSHEY_PLAIN, 0.8, (0, 0, 0))
     return picture

@@ -94,7 +94,7 @@ def measure_diversity(
 
 def diversity_of(layouts: Sequence[Furnished]) -> PlanDiversity:
     """How different these layouts of one plan are."""
-    scenes = [one.scene for one in layouts]
+    scenes = [layout.scene for layout in layouts]
     overlaps = [item_iou(a.items, b.items) for a, b in combinations(scenes, 2)]
     counts = []
     for room in layouts[0].case.plan.rooms:
@@ -149,12 +149,12 @@ def sheet(rows: Sequence[Sequence[Furnished]], enlarge: int = 2) -> ByteArray:
     """(H, W, 3) pictures: a row per plan, SHEET_LAYOUTS layouts side by side."""
     lines = []
     for row in rows[:SHEET_PLANS]:
-        tiles = [framed(enlarged(one.image.rgb, enlarge)) for one in row[:SHEET_LAYOUTS]]
+        tiles = [framed(enlarged(layout.image.rgb, enlarge)) for layout in row[:SHEET_LAYOUTS]]
         lines.append(np.concatenate(tiles, axis=1))
     # Rasters of large houses are wider.
     width = max(line.shape[1] for line in lines)
     missing = [((0, 0), (0, width - line.shape[1]), (0, 0)) for line in lines]
-    padded = [np.pad(*one, constant_values=255) for one in zip(lines, missing, strict=True)]
+    padded = [np.pad(*pair, constant_values=255) for pair in zip(lines, missing, strict=True)]
     return np.concatenate(padded)
 
 
@@ -173,7 +173,7 @@ def as_markdown(scores: DiversityScores) -> str:
     head = ["plan", "pairwise item IoU", f"arrangements of a room, of {scores.seeds}", "rooms"]
     return (
         f"split {scores.split}, checkpoint {scores.checkpoint}, {scores.steps} steps; "
-        f"{scores.seeds} seeds a plan; a room is arranged anew where less than "
+        f"{scores.seeds} seeds a plan; a room is arranged differently where less than "
         f"{SAME_ROOM_SHARE:.0%} of its items match at IoU {MIN_MATCH_IOU}\n\n"
         + markdown_table(head, rows)
     )

@@ -2,7 +2,7 @@
 
 EfficientNet-Lite0 is in a package registry; Inception's weights are in none, so those who have them
 say where. The usual FID takes weights that were brought over from TensorFlow, with other pooling:
-even Inception's figures here are not those of other papers.
+even Inception's figures here do not compare with other papers.
 """
 
 from __future__ import annotations
@@ -92,17 +92,17 @@ def _checked(path: Path, network: nn.Module) -> dict[str, Tensor]:
     import torch
 
     try:
-        found = torch.load(path, map_location="cpu", weights_only=True)
-        shapes = {name: tuple(tensor.shape) for name, tensor in found.items()}
+        tensors = torch.load(path, map_location="cpu", weights_only=True)
+        shapes = {name: tuple(tensor.shape) for name, tensor in tensors.items()}
     except (OSError, RuntimeError, UnpicklingError, EOFError, AttributeError, ValueError):
         shapes = {}
-    if shapes != {name: tuple(own.shape) for name, own in network.state_dict().items()}:
+    if shapes != {name: tuple(parameter.shape) for name, parameter in network.state_dict().items()}:
         raise CheckpointError(
             "holds no weights of Inception v3",
             where=str(path),
             expected="the state dict of torchvision's inception_v3",
         ) from None
-    return dict(found)
+    return dict(tensors)
 
 
 def _features(

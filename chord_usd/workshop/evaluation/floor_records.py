@@ -30,7 +30,7 @@ def measure_all(
 ) -> list[FloorResult]:
     """Every case, planned; those not planned again that these networks are on record with.
 
-    networks: what tells the networks and their settings from others; records: a file that need not
+    networks: identifies the networks and their settings; records: a file that need not
     exist, None keeps nothing. Raises OutputError for a file of something else.
     """
     kept = dict(read_records(records, _entry, "a planned floor", "evaluate")) if records else {}

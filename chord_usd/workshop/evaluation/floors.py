@@ -85,12 +85,12 @@ def measure(case: FloorCase, planner: Planner) -> FloorResult:
     return FloorResult(facts_of(case, chosen), facts_of(case, tried[0]), len(tried))
 
 
-def facts_of(case: FloorCase, found: Candidate) -> FloorFacts:
+def facts_of(case: FloorCase, candidate: Candidate) -> FloorFacts:
     """What a floor is like that was planned for a case."""
-    iou, kept = _kept(case.shell, found.plan)
+    iou, kept = _kept(case.shell, candidate.plan)
     return FloorFacts(
-        tuple(found.missed), found.area_missed, found.faults, len(found.plan.rooms),
-        tuple(_lit(found.plan)), iou, kept,
+        tuple(candidate.missed), candidate.area_missed, candidate.faults, len(candidate.plan.rooms),
+        tuple(_lit(candidate.plan)), iou, kept,
     )  # fmt: skip
 
 
@@ -132,9 +132,11 @@ def wish_scores(pairs: Pairs) -> dict[str, Score]:
         ),
     }
     for kind in WISHED_KINDS:
-        own = [facts for facts, other in asked if other == kind]
+        answers = [facts for facts, other in asked if other == kind]
         scores[f"{kind} count"] = share_of(
-            sum(kind not in facts.missed for facts in own), len(own), f"texts that tell {kind}"
+            sum(kind not in facts.missed for facts in answers),
+            len(answers),
+            f"texts that name {kind}",
         )
     return scores | sound_scores([facts for _, facts in pairs])
 

@@ -61,7 +61,7 @@ def as_data(scores: LayoutScores, realism: dict[str, Realism] | None = None) -> 
     """The same for --json."""
     return {
         **asdict(scores),
-        "realism": {part: asdict(one) for part, one in (realism or {}).items()},
+        "realism": {part: asdict(figures) for part, figures in (realism or {}).items()},
         "paper": PAPER,
         "targets": TARGETS,
         "missed": missed(scores),
@@ -98,8 +98,8 @@ def plot(scores: LayoutScores) -> bytes:
 
 
 def _value(rows: Any, part: str, name: str) -> float:
-    found = rows.get(part, {}).get(name)
-    return float(getattr(found, "value", found) or 0.0)
+    score = rows.get(part, {}).get(name)
+    return float(getattr(score, "value", score) or 0.0)
 
 
 def _target(name: str) -> str:
@@ -112,12 +112,13 @@ def _target(name: str) -> str:
 def _realism_table(realism: dict[str, Realism]) -> str:
     rows = [
         [
-            part, f"{one.fid:.2f}", f"{one.fid_floor:.2f}", f"{one.fid / one.fid_floor:.2f}",
-            f"{one.kid:.4f}", f"{one.kid_floor:.4f}", str(one.count),
+            part, f"{scores.fid:.2f}", f"{scores.fid_floor:.2f}",
+            f"{scores.fid / scores.fid_floor:.2f}",
+            f"{scores.kid:.4f}", f"{scores.kid_floor:.4f}", str(scores.count),
         ]
-        for part, one in realism.items()
+        for part, scores in realism.items()
     ]  # fmt: skip
-    (encoder,) = {one.encoder for one in realism.values()}
+    (encoder,) = {scores.encoder for scores in realism.values()}
     fid, kid = f"FID-{encoder}", f"KID-{encoder}"
     head = ["part", fid, "floor", "over floor", kid, "floor", "pictures each"]
     return markdown_table(head, rows)

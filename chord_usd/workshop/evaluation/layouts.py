@@ -72,7 +72,7 @@ class Sampling:
     sampler: str | None = None
     """None takes the checkpoint's own."""
     shaded: bool = True
-    """Whether the plan tells the kind of its rooms."""
+    """Whether the plan shows the kind of its rooms."""
 
     def settled(self, config: LayoutConfig) -> Sampling:
         """With what a checkpoint was tuned for where nothing else is asked."""
@@ -121,7 +121,7 @@ def sampled(
 ) -> Iterator[Furnished]:
     """Samples a layout for every plan and reads the items back; rooms come from the plan.
 
-    Case i gets the seed of sampling plus i. lists: what the model starts from. warn is told where
+    Case i gets the seed of sampling plus i. lists: what the model starts from. warn is called where
     memory ended and the batch was halved.
     """
     jobs = [_job(case, sampling, index, lists) for index, case in enumerate(cases)]
@@ -200,13 +200,13 @@ def listed(
         yield Furnished(case, canvas.layout_image(plan_image, scene.items), scene)
 
 
-def as_read(one: Furnished, sampling: Sampling) -> Furnished:
+def as_read(layout: Furnished, sampling: Sampling) -> Furnished:
     """With the picture that its items give: the layout without what reading it evens out.
 
     sampling: as it was made.
     """
-    plan_image = _plan_image(one.case, sampling)
-    return replace(one, image=canvas.layout_image(plan_image, one.scene.items))
+    plan_image = _plan_image(layout.case, sampling)
+    return replace(layout, image=canvas.layout_image(plan_image, layout.scene.items))
 
 
 class _Blind:
@@ -221,7 +221,7 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
 
     sampling: as they were made; settled, or without steps where no model made them.
     """
-    scenes = [one.scene for one in furnished]
+    scenes = [layout.scene for layout in furnished]
     scores = [score_scene(scene) for scene in scenes]
     homely = [score.homely for score in scores]
     rows = {
@@ -230,7 +230,7 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
             **_fidelity(furnished),
         }
     }  # fmt: skip
-    arranged = [one.arranged for one in furnished if one.arranged]
+    arranged = [layout.arranged for layout in furnished if layout.arranged]
     if arranged:
         final = [score_scene(scene) for scene in arranged]
         homely = [score.homely for score in final]
@@ -240,12 +240,12 @@ def score_layouts(furnished: Sequence[Furnished], made_by: str, sampling: Sampli
     for kind in JUDGED:
         # What stands at an open side is judged by what lies beyond it.
         rows[kind] = score_scenes(rooms_of_kind(scenes, kind)) | homely_scores(homely, kind)
-    cases = [one.case for one in furnished]
-    for part, found in piece_scores(scenes, cases, JUDGED, MUST_FURNISH).items():
-        rows[part or "house"].update(found)
+    cases = [layout.case for layout in furnished]
+    for part, part_scores in piece_scores(scenes, cases, JUDGED, MUST_FURNISH).items():
+        rows[part or "house"].update(part_scores)
     return LayoutScores(
         rows=rows,
-        split=split_hash(one.case.id for one in furnished),
+        split=split_hash(layout.case.id for layout in furnished),
         made_by=made_by,
         steps=sampling.steps or 0,
         sampler=sampling.sampler or "",
@@ -273,10 +273,12 @@ def is_furnished(scene: SceneGraph) -> bool:
 
 def _fidelity(furnished: Sequence[Furnished]) -> dict[str, Score]:
     """Plan fidelity of the pictures, and how many items show where their front is."""
-    read = [one for one in furnished if one.image.provenance.checkpoint_hash]
+    read = [layout for layout in furnished if layout.image.provenance.checkpoint_hash]
     if not read:
         return {}
-    plans = [plan_fidelity(one.read_plan, one.case.plan) for one in read if one.read_plan]
+    plans = [
+        plan_fidelity(layout.read_plan, layout.case.plan) for layout in read if layout.read_plan
+    ]
     lost = len(read) - len(plans)
     scores = {
         "plan_walls_f1": _summed([plan.walls for plan in plans], "m of wall faces"),
@@ -285,7 +287,7 @@ def _fidelity(furnished: Sequence[Furnished]) -> dict[str, Score]:
     }
     ious = [plan.room_iou for plan in plans] + [0.0] * lost
     scores["plan_room_iou"] = Score(float(np.mean(ious)), len(ious), "houses")
-    fronts = [item.facts.front_from for one in read for item in one.scene.items]
+    fronts = [item.facts.front_from for layout in read for item in layout.scene.items]
     shown = fronts.count("mark")
     scores["front_shown"] = Score(shown / max(len(fronts), 1), len(fronts), "items")
     return scores
@@ -343,13 +345,13 @@ def _counts(
     scenes: Iterable[SceneGraph], kinds: Sequence[RoomKind]
 ) -> dict[RoomKind, Counter[int]]:
     """By kind, how many rooms have how many pieces."""
-    found: dict[RoomKind, Counter[int]] = {kind: Counter() for kind in kinds}
+    counts: dict[RoomKind, Counter[int]] = {kind: Counter() for kind in kinds}
     for scene in scenes:
         pieces = Counter(item.room_id for item in scene.items)
         for room in scene.rooms:
-            if room.kind in found:
-                found[room.kind][pieces[room.id]] += 1
-    return found
+            if room.kind in counts:
+                counts[room.kind][pieces[room.id]] += 1
+    return counts
 
 
 def _median(counts: Counter[int]) -> Score:

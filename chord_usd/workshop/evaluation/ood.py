@@ -2,8 +2,8 @@
 
 Clean layouts and the same layouts with furniture moved into other furniture are noised, and the
 error of the predicted noise is compared. The paper compares different houses; here each house is
-its own control. A second control, the same kind of pieces moved to where they touch nothing, tells
-what of the gap is due to the collision and what to the place.
+its own control. A second control, the same kind of pieces moved to where they touch nothing,
+separates the share of the collision in the gap from the share of the place.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ def measure_ood(
     per_room: how many pieces of a room are moved. Houses in which nothing could be moved into
     anything are left out; raises SceneError where all are.
     """
-    triples = [one for one in (_spoil(case, seed, per_room) for case in cases) if one]
+    triples = [triple for triple in (_spoil(case, seed, per_room) for case in cases) if triple]
     if not triples:
         raise SceneError("no piece could be moved into another", expected="furnished houses")
     ratios = errors.noise_to_signal
@@ -145,9 +145,9 @@ def measure_ood(
         curve=tuple(curve),
         item_auc=_item_auc(errors, triples, seed),
         houses=len(triples),
-        moved=sum(len(one.colliding.moved) for one in triples),
-        piou_clean=score_scenes([one.clean for one in triples])["piou"].value,
-        piou_colliding=score_scenes([one.colliding.scene for one in triples])["piou"].value,
+        moved=sum(len(triple.colliding.moved) for triple in triples),
+        piou_clean=score_scenes([triple.clean for triple in triples])["piou"].value,
+        piou_colliding=score_scenes([triple.colliding.scene for triple in triples])["piou"].value,
         split=split_hash(case.id for case in cases),
         checkpoint=errors.model.checkpoint.content_hash,
     )
@@ -203,11 +203,11 @@ def _item_auc(errors: NoiseError, triples: Sequence[_Triple], seed: int) -> floa
     """Area under the curve of the scores that generate writes, on the colliding houses."""
     still: list[float] = []
     moved: list[float] = []
-    for one in triples:
-        plan_image = canvas.draw_plan(one.clean.plan)
-        scores = errors.item_scores(plan_image, one.colliding.scene.items, seed)
+    for triple in triples:
+        plan_image = canvas.draw_plan(triple.clean.plan)
+        scores = errors.item_scores(plan_image, triple.colliding.scene.items, seed)
         for item_id, score in scores.items():
-            (moved if item_id in one.colliding.moved else still).append(score)
+            (moved if item_id in triple.colliding.moved else still).append(score)
     above = np.array(moved)[:, None] - np.array(still)[None, :]
     return float(((above > 0) + 0.5 * (above == 0)).mean()) if above.size else 0.0
 

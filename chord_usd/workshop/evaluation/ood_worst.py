@@ -94,12 +94,12 @@ def measure_worst(
     draws: noises of each layout.
     """
     clean = [case.truth(seed) for case in cases[:worst]]
-    found = heapq.nlargest(worst, _moved(cases[worst:], seed), key=lambda one: one[:2])
+    moves = heapq.nlargest(worst, _moved(cases[worst:], seed), key=lambda move: move[:2])
     span = noise_span(errors)
     times = times_between(errors, span, draws, seed)
-    scenes = [*clean, *(one.before for one in found), *(one.after for one in found)]
+    scenes = [*clean, *(move.before for move in moves), *(move.after for move in moves)]
     rows = _errors(errors, scenes, times, seed, progress, warn)
-    parts = np.split(rows, [len(clean), len(clean) + len(found)])
+    parts = np.split(rows, [len(clean), len(clean) + len(moves)])
     unspoilt, before, after = parts
     return WorstScores(
         clean=float(unspoilt.mean()),
@@ -112,12 +112,12 @@ def measure_worst(
         own_gap_error=float(
             _of_mean(after - after.mean() / before.mean() * before) / before.mean()
         ),
-        houses=len(found),
+        houses=len(moves),
         out_of=len(cases) - worst,
         draws=draws,
         noise_to_signal=span,
         piou_clean=float(np.mean([scene_overlap(scene).piou for scene in clean])),
-        piou_colliding=float(np.mean([one.piou for one in found])),
+        piou_colliding=float(np.mean([move.piou for move in moves])),
         split=split_hash(case.id for case in cases),
         checkpoint=errors.model.checkpoint.content_hash,
     )
@@ -148,7 +148,7 @@ def _errors(
 
     def work(part: Sequence[SceneGraph]) -> list[float]:
         drawings = [Drawing.of(canvas.draw_plan(scene.plan), scene.items) for scene in part]
-        maps = [found.mean(axis=(1, 2)) for found in errors.maps(drawings, times, seed)]
+        maps = [error_map.mean(axis=(1, 2)) for error_map in errors.maps(drawings, times, seed)]
         return [float(value) for value in np.mean(maps, axis=0)]
 
     rows = []

@@ -66,7 +66,7 @@ PAINTERS: Mapping[str, Touch] = {
     "by hand": _by_hand,
 }
 TORN = frozenset(("torn edges", "by hand"))
-"""Painters whose edges wander, as those of networks do."""
+"""Painters whose edges wander, as edges of networks do."""
 
 
 def painted_cases(painter: str, count: int) -> Iterator[Case]:
@@ -114,13 +114,13 @@ def score_painters(
         for index, case in enumerate(painted_cases(painter, count)):
             for name, read in readers.items():
                 try:
-                    found = read(case)
+                    items = read(case)
                 except SceneError:
-                    found = ()
-                sums[name].add(found, case.items, case.layout.frame.m_per_px)
+                    items = ()
+                sums[name].add(items, case.items, case.layout.frame.m_per_px)
             if progress:
                 progress(number * count + index + 1, len(PAINTERS) * count)
-        scores[painter] = {name: own.scores() for name, own in sums.items()}
+        scores[painter] = {name: step_sums.scores() for name, step_sums in sums.items()}
     return scores
 
 
@@ -131,9 +131,9 @@ def as_markdown(scores: Mapping[str, Mapping[str, StepScores]]) -> str:
         "|---|---|---|---|---|---|",
     ]
     lines += [
-        f"| {painter} | {name} | {one.recall:.4f} | {one.precision:.4f} | {one.orientation:.4f} "
-        f"| {one.edges_within_1px:.4f} |"
+        f"| {painter} | {name} | {step.recall:.4f} | {step.precision:.4f} | {step.orientation:.4f} "
+        f"| {step.edges_within_1px:.4f} |"
         for painter, by in scores.items()
-        for name, one in by.items()
+        for name, step in by.items()
     ]
     return "\n".join(lines) + "\n"

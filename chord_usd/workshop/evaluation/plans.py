@@ -72,8 +72,8 @@ class Case:
     frame: PixelFrame
     """Where the upright drawing lies."""
     to_picture: FloatArray
-    """(3, 3) from the upright drawing's continuous pixels to those of rgb."""
-    told: frozenset[str]
+    """(3, 3) from the upright drawing's continuous pixels to pixels of rgb."""
+    recognisable: frozenset[str]
     """Rooms of the truth whose kind is shown."""
 
 
@@ -89,7 +89,7 @@ class PlanScore:
     room_iou: float = 0.0
     kinds_right: int = 0
     kinds: int = 0
-    """Rooms with a name or a symbol in the drawing; those that share a floor are told apart."""
+    """Rooms with a name or a symbol in the drawing; each room of a shared floor counts."""
     scale_error: float = 0.0
     """|metres per pixel / truth - 1|."""
     warned: bool = False
@@ -111,7 +111,7 @@ def measure_reading(
 
     families: kinds of crowded pages, or styles of clean drawings. draw: makes the case of a family,
     a seed and a number: crowded or clean. known: scores by the drawing's number, which are not read
-    again; keep: told of every new one.
+    again; keep: called with every new score.
     """
     scores = []
     total = count * len(families)
@@ -146,7 +146,7 @@ def clean_case(drawing: Drawing) -> Case:
     """A clean drawing and its truth."""
     return Case(
         drawing.style.family, drawing.rgb, (drawing.truth,), drawing.frame, drawing.to_picture,
-        drawing.told,
+        drawing.recognisable,
     )  # fmt: skip
 
 
@@ -161,12 +161,12 @@ def crowded_case(page: CrowdedPage, family: str = "") -> Case:
     m_per_px = math.sqrt(abs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])))
     frame = PixelFrame(m_per_px, (0.0, 0.0), height)
     to_m = np.array([[m_per_px, 0, 0], [0, -m_per_px, height * m_per_px], [0, 0, 1]])
-    told = frozenset(room.id for plan in storeys for room in plan.rooms if room.kind != "unknown")
-    return Case(family, page.rgb, storeys, frame, page.to_picture @ to_m, told)
+    known = frozenset(room.id for plan in storeys for room in plan.rooms if room.kind != "unknown")
+    return Case(family, page.rgb, storeys, frame, page.to_picture @ to_m, known)
 
 
 def _as_drawn(plan: Plan, page: CrowdedPage) -> Plan:
-    """A door that is drawn without a leaf cannot be told from a passage."""
+    """A door that is drawn without a leaf looks like a passage."""
     built = built_of(page.labels)
 
     def drawn(opening: Opening) -> Opening:
@@ -184,10 +184,10 @@ def score_reading(case: Case, reader: Reader) -> PlanScore:
     try:
         plan = reader.read(case.rgb)
     except PlanError:
-        return PlanScore(case.family, kinds=len(case.told))
+        return PlanScore(case.family, kinds=len(case.recognisable))
     frame = reader.frame_of(plan)
     if frame is None:
-        raise ValueError("the reader does not tell where its plan lies in the picture")
+        raise ValueError("the reader does not say where its plan lies in the picture")
     placed = _on_paper(plan, frame, reader.straightening(plan, case.rgb.shape), case)
     floors = without_seams(placed)
     storeys = [(storey, without_seams(storey)) for storey in case.storeys]
@@ -196,11 +196,11 @@ def score_reading(case: Case, reader: Reader) -> PlanScore:
     parts = (fidelity.doors, fidelity.windows, fidelity.passages)
     total = sum(part.read + part.truth for part in parts)
     right = sum(2 * part.read_matched for part in parts)
-    told = [room for room in truth.rooms if room.id in case.told]
+    known = [room for room in truth.rooms if room.id in case.recognisable]
     return PlanScore(
         case.family, refused=False, walls=fidelity.walls.value,
         openings=right / total if total else 1.0, room_iou=fidelity.room_iou,
-        kinds_right=sum(_is_kind_right(placed, room) for room in told), kinds=len(told),
+        kinds_right=sum(_is_kind_right(placed, room) for room in known), kinds=len(known),
         scale_error=abs(frame.m_per_px / case.frame.m_per_px - 1.0),
         warned=bool(plan.extra.get("warnings")),
     )  # fmt: skip
@@ -235,7 +235,9 @@ def _moved_box(box: Box, moved: Callable[[np.ndarray], np.ndarray]) -> Box:  # t
 def _is_kind_right(plan: Plan, room: Room) -> bool:
     """Whether most of a room is of its kind."""
     floor = room_polygon(room)
-    alike = shapely.union_all([room_polygon(own) for own in plan.rooms if own.kind == room.kind])
+    alike = shapely.union_all(
+        [room_polygon(other) for other in plan.rooms if other.kind == room.kind]
+    )
     return bool(alike.intersection(floor).area > floor.area / 2)
 
 
@@ -246,7 +248,10 @@ def summaries(scores: Sequence[PlanScore]) -> dict[str, dict[str, float]]:
     """Means per family and over all; every figure is over all drawings of the row."""
     families = list(dict.fromkeys(score.family for score in scores))
     rows = {name: [s for s in scores if s.family == name] for name in families}
-    return {name: _summary(own) for name, own in {**rows, "all": list(scores)}.items()}
+    return {
+        name: _summary(family_scores)
+        for name, family_scores in {**rows, "all": list(scores)}.items()
+    }
 
 
 def _summary(scores: Sequence[PlanScore]) -> dict[str, float]:

@@ -18,7 +18,7 @@ class Records:
         """path: need not exist; None keeps nothing. Raises OutputError for any other file."""
         self._path, self._seed, self._families = path, seed, families
         self.scores: dict[int, PlanScore] = dict(self._kept(path)) if path else {}
-        """By the drawing's number; those of other seeds and styles are passed over."""
+        """By the drawing's number; records of other seeds and styles are skipped."""
 
     def keep(self, number: int, score: PlanScore) -> None:
         """Add a score, at once."""
@@ -28,11 +28,11 @@ class Records:
         add_record(self._path, {"seed": self._seed, "number": number, **asdict(score)})
 
     def _kept(self, path: Path) -> list[tuple[int, PlanScore]]:
-        found = []
+        records = []
         for seed, number, score in read_records(path, _entry, "a drawn plan", "evaluate plans"):
             if (seed, score.family) == (self._seed, self._families[number % len(self._families)]):
-                found.append((number, score))
-        return found
+                records.append((number, score))
+        return records
 
 
 def _entry(values: dict[str, Any]) -> tuple[int, int, PlanScore]:

@@ -1,6 +1,6 @@
 """Files of a folder, read: a sheet of overlays for eyes, a table, and scores where truth is known.
 
-The truth of NAME.png is NAME.json beside it: CHOrD JSON that tells where its picture lies, such as
+The truth of NAME.png is NAME.json beside it: CHOrD JSON that says where its picture lies, such as
 `plan read` writes, put right by hand.
 """
 
@@ -59,18 +59,20 @@ class RealReading:
 
     @property
     def doubts(self) -> list[str]:
-        return [str(told) for told in self.plan.extra.get("warnings", ())] if self.plan else []
+        return (
+            [str(warning) for warning in self.plan.extra.get("warnings", ())] if self.plan else []
+        )
 
 
 def real_files(folder: Path) -> list[Path]:
     """The plans in a folder, by name. Raises ChordError for none."""
-    found = sorted(p for p in folder.iterdir() if p.suffix.lower() in SUFFIXES and p.is_file())
-    if not found:
+    files = sorted(p for p in folder.iterdir() if p.suffix.lower() in SUFFIXES and p.is_file())
+    if not files:
         raise ChordError(
             "holds no file to read", where=str(folder),
             expected=f"pictures, PDF or vector files ({' '.join(sorted(SUFFIXES))})",
         )  # fmt: skip
-    return found
+    return files
 
 
 def read_real(files: Sequence[Path], eyes: Eyes, progress: Progress) -> list[RealReading]:
@@ -92,8 +94,8 @@ def _read_one(file: Path, eyes: Eyes) -> RealReading:
     except Exception as error:  # A stranger's file that breaks the reader is a finding, too.
         refusal = f"broke the reader: {type(error).__name__}: {error}"
     reading = RealReading(file.name, time.perf_counter() - start, plan, " ".join(refusal.split()))
-    score, told = _scored(file, plan, eyes.reader)
-    reading = replace(reading, score=score, refusal=reading.refusal or told)
+    score, problem = _scored(file, plan, eyes.reader)
+    reading = replace(reading, score=score, refusal=reading.refusal or problem)
     return replace(reading, tile=_tile(reading, file, eyes))
 
 
@@ -108,7 +110,7 @@ def _scored(file: Path, plan: Plan | None, reader: Reader) -> tuple[PlanScore | 
         return None, f"truth cannot be read: {' '.join(str(error).split())}"
     frame = reader.frame_of(truth)
     if frame is None:
-        return None, "truth does not tell where its picture lies ('drawing')"
+        return None, "truth does not say where its picture lies ('drawing')"
     if plan is None:
         return PlanScore("real", kinds=len(_known(truth))), ""
     if file.suffix.lower() not in _PICTURES or reader.frame_of(plan) is None:
@@ -162,7 +164,7 @@ def _cut(text: str, width_px: float) -> str:
 
 def sheets(readings: Sequence[RealReading]) -> dict[str, bytes]:
     """Contact sheets as PNG, by what is added to the report's name: "", "2", "3" ..."""
-    found: dict[str, bytes] = {}
+    pictures: dict[str, bytes] = {}
     for first in range(0, len(readings), _TILES_PER_SHEET):
         tiles = [r.tile for r in readings[first : first + _TILES_PER_SHEET] if r.tile is not None]
         blank = np.full_like(tiles[0], 255)
@@ -170,8 +172,8 @@ def sheets(readings: Sequence[RealReading]) -> dict[str, bytes]:
         columns = min(_COLUMNS, len(tiles))
         rows = [np.hstack(tiles[i : i + columns]) for i in range(0, len(tiles), columns)]
         number = first // _TILES_PER_SHEET + 1
-        found["" if number == 1 else str(number)] = picture_png(np.vstack(rows))
-    return found
+        pictures["" if number == 1 else str(number)] = picture_png(np.vstack(rows))
+    return pictures
 
 
 # Report ------------------------------------------------------------------------------------------
@@ -212,8 +214,8 @@ def as_markdown(readings: Sequence[RealReading], pictures: Sequence[str] = ()) -
     table = markdown_table(head, [_row(reading) for reading in readings])
     read = sum(reading.plan is not None for reading in readings)
     sure = sum(reading.plan is not None and not reading.doubts for reading in readings)
-    told = f"{len(readings)} files: {read} read, {sure} of them without a doubt.\n\n"
-    return told + table + "".join(f"\n![overlays]({name})\n" for name in pictures)
+    summary = f"{len(readings)} files: {read} read, {sure} of them without a doubt.\n\n"
+    return summary + table + "".join(f"\n![overlays]({name})\n" for name in pictures)
 
 
 def _row(reading: RealReading) -> list[str]:
@@ -221,9 +223,9 @@ def _row(reading: RealReading) -> list[str]:
     parts = (score.walls, score.openings, score.room_iou) if score else ()
     scored = [f"{part:.3f}" for part in parts] or ["", "", ""]
     counts = [str(n) if reading.plan else "" for n in _counts(reading).values()]
-    told = "; ".join([*([reading.refusal] if reading.refusal else []), *reading.doubts])
+    doubts = "; ".join([*([reading.refusal] if reading.refusal else []), *reading.doubts])
     cells = [reading.name, *counts, _scale_text(reading.plan), f"{reading.seconds:.1f}", *scored]
-    return [cell.replace("|", "\\|") for cell in (*cells, told)]
+    return [cell.replace("|", "\\|") for cell in (*cells, doubts)]
 
 
 def sheet_names(report: Path, pictures: Mapping[str, bytes]) -> list[str]:

@@ -115,40 +115,46 @@ def realism_by_part(
 ) -> dict[str, Realism]:
     """Realism of whole houses and of the rooms of ROOM_KINDS, each cut out of its house.
 
-    Of the pictures as they are and, where a model painted them, `as read`: painted anew from the
-    items that were read, which is what a stage is built from.
+    Of the pictures as they are and, where a model painted them, `as read`: painted from the
+    items that were read, from which a stage is built.
     """
-    read = [as_read(one, sampling) for one in generated if one.image.provenance.checkpoint_hash]
-    found = {}
+    read = [
+        as_read(layout, sampling) for layout in generated if layout.image.provenance.checkpoint_hash
+    ]
+    by_part = {}
     for part in ("house", *ROOM_KINDS):
         theirs, rest = (encoder.features(_pictures(those, part)) for those in (real, others))
         for name, those in ((part, generated), (f"{part}, as read", read)):
             ours = encoder.features(_pictures(those, part))
-            found[name] = realism(ours, theirs, rest)
+            by_part[name] = realism(ours, theirs, rest)
     name = encoder.name
-    return {part: replace(one, encoder=name) for part, one in found.items() if one is not None}
+    return {
+        part: replace(figures, encoder=name)
+        for part, figures in by_part.items()
+        if figures is not None
+    }
 
 
 def _pictures(furnished: Sequence[Furnished], part: str) -> list[ByteArray]:
     """Of whole houses, or of their rooms of a kind."""
     if part == "house":
-        return [one.image.rgb for one in furnished]
+        return [layout.image.rgb for layout in furnished]
     return [
-        room_picture(one, room)
-        for one in furnished
-        for room in one.case.plan.rooms
+        room_picture(layout, room)
+        for layout in furnished
+        for room in layout.case.plan.rooms
         if room.kind == part
     ]
 
 
-def room_picture(one: Furnished, room: Room) -> ByteArray:
+def room_picture(layout: Furnished, room: Room) -> ByteArray:
     """A square cut-out of a room with its walls; what lies beyond them is white."""
-    frame = one.image.frame
+    frame = layout.image.frame
     walled = np.array(
         room_polygon(room).buffer(WALL_THICKNESS_M, join_style="mitre").exterior.coords
     )[:-1]
     pixels = canvas.room_pixels(Room(room.id, room.kind, walled[::-1]), frame)
-    rgb = np.where(pixels[..., None], one.image.rgb, 255).astype(np.uint8)
+    rgb = np.where(pixels[..., None], layout.image.rgb, 255).astype(np.uint8)
     rows, columns = np.flatnonzero(pixels.any(axis=1)), np.flatnonzero(pixels.any(axis=0))
     cut = rgb[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     side = max(cut.shape[:2])

@@ -29,10 +29,10 @@ def read_records(
     """
     text = path.read_text(encoding="utf-8") if path.exists() else ""
     whole = text[: text.rfind("\n") + 1]
-    found = []
+    entries = []
     for place, line in enumerate(whole.splitlines(), 1):
         try:
-            found.append(entry_of(json.loads(line)))
+            entries.append(entry_of(json.loads(line)))
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise OutputError(
                 f"is no score of {what}",
@@ -41,6 +41,6 @@ def read_records(
                 try_="another file",
             ) from error
     # A run that was stopped may have left half a line. Somebody else's file is not cut short.
-    if whole != text and (found or text.startswith('{"')):
+    if whole != text and (entries or text.startswith('{"')):
         write_atomic(path, whole)
-    return found
+    return entries

@@ -54,7 +54,7 @@ def _drawn(
 
 
 def _coloured(rgb: ByteArray) -> ByteArray:
-    """Shades of rooms, which the network tells apart, in colours that people tell apart."""
+    """Shades of rooms, which a network can distinguish, in colours that people can distinguish."""
     coloured = rgb.copy()
     for kind in WISHED_KINDS:
         coloured[(rgb == ROOM_SHADES[kind]).all(axis=2)] = ROOM_RGB[kind]

@@ -111,21 +111,21 @@ def _run(
     seconds, cpu_seconds = _time_one(model, made[0].case, how)
     scores = score_layouts(made, model.checkpoint.content_hash, how).rows["house"]
     same = [
-        float((one.image.rgb == other.image.rgb).all(axis=2).mean())
-        for one, other in zip(made, reference, strict=True)
+        float((layout.image.rgb == other.image.rgb).all(axis=2).mean())
+        for layout, other in zip(made, reference, strict=True)
     ]
-    found = _realism(made, how, encoder) if encoder else None
+    figures = _realism(made, how, encoder) if encoder else None
     return Run(
         how.sampler or "", steps, seconds, cpu_seconds, batch_seconds,
         {name: scores[name] for name in SCORES},
-        found.fid if found else None,
+        figures.fid if figures else None,
         sum(same) / len(same),
     )  # fmt: skip
 
 
 def _realism(made: Sequence[Furnished], how: Sampling, encoder: Encoder) -> Realism | None:
-    real, others = reference_layouts([one.case for one in made], how)
-    sets = ([one.image.rgb for one in part] for part in (made[: len(real)], real, others))
+    real, others = reference_layouts([layout.case for layout in made], how)
+    sets = ([layout.image.rgb for layout in part] for part in (made[: len(real)], real, others))
     return realism(*map(encoder.features, sets))
 
 
@@ -141,7 +141,7 @@ def _time_one(model: LayoutModel, case: Case, how: Sampling) -> tuple[float, flo
 def fewest_steps(scores: SpeedScores) -> tuple[str, int]:
     """The cheapest sampler and steps whose scores lose no more than LOSS against the most steps.
 
-    A share may also be worse by one opening or room: fewer cannot be told apart.
+    A share may also be worse by one opening or room: a smaller difference is noise.
     """
     most = max(scores.runs, key=lambda run: run.steps)
     for run in sorted(scores.runs, key=lambda run: (run.cpu_seconds, run.steps)):
@@ -151,8 +151,8 @@ def fewest_steps(scores: SpeedScores) -> tuple[str, int]:
 
 
 def _is_as_good(name: str, score: Score, best: Score) -> bool:
-    one = 1.0 / max(best.count, 1) if name in _SHARES else 0.0
-    slack = max(LOSS * best.value, one) + 1e-12
+    step = 1.0 / max(best.count, 1) if name in _SHARES else 0.0
+    slack = max(LOSS * best.value, step) + 1e-12
     if name == "furnished":
         return score.value >= best.value - slack
     return score.value <= best.value + slack

@@ -1,4 +1,4 @@
-"""Supporting pieces to be laid: procedural ones that come with their items, and those of houses."""
+"""Pieces to be laid: procedural pieces that come with their items, and pieces of houses."""
 
 from __future__ import annotations
 
@@ -75,9 +75,9 @@ def house_cases(database: Database, reliefs: Reliefs, count: int) -> list[Case]:
 
 
 def redrawn(model: LayoutModel, cases: Sequence[Case], noise_to_signal: float) -> list[LayoutImage]:
-    """The truth under noise, drawn anew by the model in one step.
+    """The truth under noise, denoised by the model in one step.
 
-    Such a raster has the soft edges and the specks of a sample, and yet one knows what is meant.
+    Such a raster has the soft edges and the specks of a sample, and yet its truth is known.
     """
     time = NoiseError(model).time_of(noise_to_signal)
     return [_redrawn(model, case, time, seed) for seed, case in enumerate(cases)]

@@ -79,8 +79,11 @@ def _category_table(columns: Mapping[str, TableScores]) -> str:
     for name in SUPPORTS:
         row = [name]
         for scores in columns.values():
-            own = scores.by_category.get(name, {})
-            row += [score_text(own.get("filled")), score_text(own.get("items"))]
+            category_scores = scores.by_category.get(name, {})
+            row += [
+                score_text(category_scores.get("filled")),
+                score_text(category_scores.get("items")),
+            ]
         rows.append(row)
     heads = [f"{kind}, {name}" for name in columns for kind in ("filled", "items")]
     return markdown_table(["piece", *heads], rows)
@@ -89,7 +92,7 @@ def _category_table(columns: Mapping[str, TableScores]) -> str:
 def _reader_table(readers: Mapping[str, ReaderScores]) -> str:
     names = [field.name for field in fields(ReaderScores)]
     rows = [
-        [name.replace("_", " "), *(_number(getattr(one, name)) for one in readers.values())]
+        [name.replace("_", " "), *(_number(getattr(scores, name)) for scores in readers.values())]
         for name in names
     ]
     return markdown_table(["reader", *readers], rows)
@@ -128,18 +131,18 @@ def draw_sheet(parts: Sequence[Sequence[Judged]]) -> bytes:
     """A PNG: for each part a row of tops with what was drawn on them, outlined."""
     rows = []
     for part in parts:
-        shown = [_cell(one) for one in part[:COLUMNS]]
+        shown = [_cell(judged) for judged in part[:COLUMNS]]
         shown += [np.full_like(shown[0], 255)] * (COLUMNS - len(shown))
         rows.append(np.concatenate(shown, axis=1))
     return picture_png(np.concatenate(rows))
 
 
-def _cell(one: Judged) -> ByteArray:
+def _cell(judged: Judged) -> ByteArray:
     """A raster, enlarged, with the outlines of its items and a stroke along each front."""
-    image = one.case.image
-    layout = one.layout or canvas.layout_image(image, one.raw, Level.TABLE)
+    image = judged.case.image
+    layout = judged.layout or canvas.layout_image(image, judged.raw, Level.TABLE)
     picture = enlarged(layout.rgb, ENLARGE)
-    for item in one.raw:
+    for item in judged.raw:
         corners_px = px_from_m(footprint(item.box), image.frame)
         corners = np.rint(corners_px * ENLARGE).astype(np.int32)
         cv2.polylines(picture, [corners], True, (90, 90, 90), 1, cv2.LINE_AA)

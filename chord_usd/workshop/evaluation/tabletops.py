@@ -100,14 +100,14 @@ def judge_layouts(
         for case, layout in zip(cases, layouts, strict=True)
     ]
     judged = judge(at, cases, things)
-    return [replace(one, layout=layout) for one, layout in zip(judged, layouts, strict=True)]
+    return [replace(top, layout=layout) for top, layout in zip(judged, layouts, strict=True)]
 
 
 def judge(at: Workplace, cases: Sequence[Case], things: Sequence[Sequence[Item]]) -> list[Judged]:
     """Stands things on their pieces. Raises AssetError."""
     return [
-        Judged(case, tuple(own), case.view.laid(own, at.database, at.reliefs))
-        for case, own in zip(cases, things, strict=True)
+        Judged(case, tuple(laid), case.view.laid(laid, at.database, at.reliefs))
+        for case, laid in zip(cases, things, strict=True)
     ]
 
 
@@ -124,28 +124,28 @@ def cpu_seconds(at: Workplace, cases: Sequence[Case]) -> float:
 def score_tabletops(judged: Sequence[Judged], at: Workplace) -> TableScores:
     """All scores of these pieces; those that need a truth only where there is one."""
     rows = {**_raw_scores(judged), **_placed_scores(judged, at.reliefs), **_dining(judged)}
-    if judged and all(one.case.truth is not None for one in judged):
+    if judged and all(top.case.truth is not None for top in judged):
         rows.update(_beside_data(judged))
     by_category = {}
     for name in SUPPORTS:
-        own = [one for one in judged if one.case.view.item.category == name]
-        if own:
-            by_category[name] = {"filled": _filled(own), "items": _items(own)}
-    split = split_hash(one.case.id for one in judged)
+        of_category = [top for top in judged if top.case.view.item.category == name]
+        if of_category:
+            by_category[name] = {"filled": _filled(of_category), "items": _items(of_category)}
+    split = split_hash(top.case.id for top in judged)
     return TableScores(len(judged), split, rows, by_category)
 
 
 def _raw_scores(judged: Sequence[Judged]) -> dict[str, Score]:
-    overlaps = [items_overlap(one.raw) for one in judged]
+    overlaps = [items_overlap(top.raw) for top in judged]
     over_edge = [
-        1.0 - one.case.view.relief.free_share(item.box) > MOST_OVER_EDGE
-        for one in judged
-        for item in one.raw
+        1.0 - top.case.view.relief.free_share(item.box) > MOST_OVER_EDGE
+        for top in judged
+        for item in top.raw
     ]
     facing = [
-        faces_somebody(item, one.case)
-        for one in judged
-        for item in one.raw
+        faces_somebody(item, top.case)
+        for top in judged
+        for item in top.raw
         if item.category in FACING
     ]
     scores = {
@@ -153,19 +153,23 @@ def _raw_scores(judged: Sequence[Judged]) -> dict[str, Score]:
         "off_edge": mean_of(over_edge, "items"),
         "faces_right": mean_of(facing, "items with a right way round"),
     }
-    painted = [one for one in judged if one.layout is not None]
+    painted = [top for top in judged if top.layout is not None]
     if painted:
-        marks = [item.facts.front_from == "mark" for one in painted for item in one.raw]
+        marks = [item.facts.front_from == "mark" for top in painted for item in top.raw]
         scores["front_shown"] = mean_of(marks, "items")
-        scores["round_trip"] = mean_of([round_trip(one) for one in painted if one.raw], "pieces")
+        scores["round_trip"] = mean_of([round_trip(top) for top in painted if top.raw], "pieces")
     return scores
 
 
 def _dining(judged: Sequence[Judged]) -> dict[str, Score]:
     """Whether dining tables are laid, and at how many of their seats."""
-    tables = [one for one in judged if one.case.view.item.category == "dining_table"]
-    counts = [sum(child.category == "dinner_set" for child in one.laid.children) for one in tables]
-    seats = [sum(border.kind == "seat" for border in one.case.view.top.borders) for one in tables]
+    tables = [table for table in judged if table.case.view.item.category == "dining_table"]
+    counts = [
+        sum(child.category == "dinner_set" for child in table.laid.children) for table in tables
+    ]
+    seats = [
+        sum(border.kind == "seat" for border in table.case.view.top.borders) for table in tables
+    ]
     laid_seats = sum(min(pair) for pair in zip(counts, seats, strict=True))
     return {
         "dining_laid": mean_of([count > 0 for count in counts], "dining tables"),
@@ -175,12 +179,12 @@ def _dining(judged: Sequence[Judged]) -> dict[str, Score]:
 
 def _beside_data(judged: Sequence[Judged]) -> dict[str, Score]:
     """How what was drawn differs from what the data lays on the same pieces, in all."""
-    truths = [one.case.truth or () for one in judged]
+    truths = [top.case.truth or () for top in judged]
     mine, data = (
         Counter(item.category for items in these for item in items)
-        for these in ([one.raw for one in judged], truths)
+        for these in ([top.raw for top in judged], truths)
     )
-    counts = Counter(len(one.raw) for one in judged), Counter(map(len, truths))
+    counts = Counter(len(top.raw) for top in judged), Counter(map(len, truths))
     return {
         "items_of_data": mean_of([float(len(items)) for items in truths], "pieces"),
         "categories_tv": Score(total_variation(mine, data), sum(mine.values()), "items"),
@@ -190,13 +194,13 @@ def _beside_data(judged: Sequence[Judged]) -> dict[str, Score]:
 
 def _placed_scores(judged: Sequence[Judged], reliefs: Reliefs) -> dict[str, Score]:
     supported = [
-        is_supported(child, one.laid.children, one.case.view.relief, reliefs)
-        for one in judged
-        for child in one.laid.children
+        is_supported(child, top.laid.children, top.case.view.relief, reliefs)
+        for top in judged
+        for child in top.laid.children
     ]
-    kept = sum(len(one.laid.children) for one in judged)
-    seen = sum(len(one.laid.seen) for one in judged)
-    placed = [items_overlap(one.laid.children) for one in judged]
+    kept = sum(len(top.laid.children) for top in judged)
+    seen = sum(len(top.laid.seen) for top in judged)
+    placed = [items_overlap(top.laid.children) for top in judged]
     return {
         **_overlap_scores(placed, "placed_"),
         "supported": mean_of(supported, "items placed"),
@@ -210,19 +214,19 @@ def _overlap_scores(overlaps: Iterable[Overlap], prefix: str) -> dict[str, Score
     paired = [overlap for overlap in overlaps if overlap.pairs]
     over = "pieces with a pair of items"
     scores = {
-        "por": mean_of([one.por for one in paired], over),
-        "por_all": mean_of([one.por_all for one in paired], over),
-        "piou": mean_of([one.piou for one in paired], over),
+        "por": mean_of([overlap.por for overlap in paired], over),
+        "por_all": mean_of([overlap.por_all for overlap in paired], over),
+        "piou": mean_of([overlap.piou for overlap in paired], over),
     }
     return {prefix + name: score for name, score in scores.items()}
 
 
 def _filled(judged: Sequence[Judged]) -> Score:
-    return mean_of([bool(one.laid.children) for one in judged], "pieces")
+    return mean_of([bool(top.laid.children) for top in judged], "pieces")
 
 
 def _items(judged: Sequence[Judged]) -> Score:
-    return mean_of([float(len(one.laid.children)) for one in judged], "pieces")
+    return mean_of([float(len(top.laid.children)) for top in judged], "pieces")
 
 
 def faces_somebody(item: Item, case: Case) -> bool:
@@ -236,27 +240,27 @@ def faces_somebody(item: Item, case: Case) -> bool:
     return any(off <= FACING_DEG + 1e-6 for off in off_deg)
 
 
-def round_trip(one: Judged) -> float:
+def round_trip(judged: Judged) -> float:
     """Share of pixels with the same item where the raster or what was read of it has one."""
-    assert one.layout is not None
-    painted = read_table_pixels(one.layout.rgb, one.case.view.item.category).item + 1
-    again, _ = canvas.draw_items(one.raw, one.layout.frame, Level.TABLE)
+    assert judged.layout is not None
+    painted = read_table_pixels(judged.layout.rgb, judged.case.view.item.category).item + 1
+    again, _ = canvas.draw_items(judged.raw, judged.layout.frame, Level.TABLE)
     either = (painted > 0) | (again > 0)
     return float((painted == again)[either].mean()) if either.any() else 1.0
 
 
 def is_supported(child: Item, siblings: Sequence[Item], relief: Relief, reliefs: Reliefs) -> bool:
     """Whether an item touches something below, and its middle lies over the hull of the contact
-    (metric "unsupported"). Heights are those of the meshes."""
+    (metric "unsupported"). Heights are of the meshes."""
     box = child.box
     points = _contact(relief, box, box.center_m[2])
     for other in siblings:
         if other is child or not is_underfoot(other) or other.asset is None:
             continue
         base = other.box
-        own = reliefs(other.asset).scaled(base.size_m)
+        carrier = reliefs(other.asset).scaled(base.size_m)
         inside = shapely.intersection(footprint_polygon(box), footprint_polygon(base))
-        top_m = base.center_m[2] + own.level_m
+        top_m = base.center_m[2] + carrier.level_m
         if abs(top_m - box.center_m[2]) <= STACKED_TOLERANCE_M and inside.area > 0.0:
             points = np.concatenate([points, shapely.get_coordinates(inside)])
     if not len(points):
@@ -297,25 +301,25 @@ class ReaderScores:
 
 def score_reader(cases: Sequence[Case], layouts: Sequence[LayoutImage]) -> ReaderScores:
     """How well the items of these cases are read from rasters of them."""
-    truths = found = 0
+    truths = seen = 0
     turns: list[float] = []
     edges: list[float] = []
     painted_found: list[bool] = []
     for case, layout in zip(cases, layouts, strict=True):
         truth = case.truth or ()
         read = read_items(layout, case.view.item.category)
-        mine = items_seen([one.detection for one in read], layout.frame)
-        truths, found = truths + len(truth), found + len(mine)
+        mine = items_seen([entry.detection for entry in read], layout.frame)
+        truths, seen = truths + len(truth), seen + len(mine)
         pairs = match_items(mine, truth)
         known = {true.id for _, true in pairs}
         painted_found += [item.id in known for item in _painted(case, layout)]
-        for one, true in pairs:
-            turns.append(abs(wrap_deg(one.box.yaw_deg - true.box.yaw_deg)))
-            edges += (edge_errors_m(one.box, true.box) / layout.frame.m_per_px).tolist()
+        for piece, true in pairs:
+            turns.append(abs(wrap_deg(piece.box.yaw_deg - true.box.yaw_deg)))
+            edges += (edge_errors_m(piece.box, true.box) / layout.frame.m_per_px).tolist()
     return ReaderScores(
         recall=len(turns) / max(truths, 1),
         recall_painted=_share(np.array(painted_found)),
-        precision=len(turns) / max(found, 1),
+        precision=len(turns) / max(seen, 1),
         orientation=_share(np.array(turns) <= MAX_TURN_DEG),
         quarter=_share(np.array(turns) < FACING_DEG),
         edge_px=float(np.median(edges)) if edges else 0.0,
@@ -332,8 +336,8 @@ def _painted(case: Case, layout: LayoutImage) -> list[Item]:
     shown = []
     for item in truth:
         alone, _ = canvas.draw_items([item], layout.frame, Level.TABLE)
-        own = (alone > 0) & (visible == alone)
-        if own.any() and (painted == visible)[own].mean() >= PAINTED:
+        pixels = (alone > 0) & (visible == alone)
+        if pixels.any() and (painted == visible)[pixels].mean() >= PAINTED:
             shown.append(item)
     return shown
 

@@ -2,7 +2,7 @@
 
 A slot holds a category as a one-hot code, -1 and 1, one more for an empty slot, then the box of the
 piece: x and y of its middle, length of its extent along x and y, cosine and sine of the way it
-faces. Rooms and frames are those of lists (pieces.py): so are the batches that it is made of.
+faces. Rooms, frames and batches are the same as for lists (pieces.py).
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ MIDDLE_M, EXTENT_M = 2.0, 1.0
 def slots_of(batch: Batch) -> Tensor:
     """(B, SLOTS, WIDTH) the pieces of a batch of lists; empty slots have boxes of zeros."""
     _, _, _, roles, _, values = batch
-    found = torch.zeros(len(roles), SLOTS, WIDTH)
-    found[..., : CATEGORIES + 1] = codes_of(torch.full(found.shape[:2], EMPTY))
+    slots = torch.zeros(len(roles), SLOTS, WIDTH)
+    slots[..., : CATEGORIES + 1] = codes_of(torch.full(slots.shape[:2], EMPTY))
     held = roles != CATEGORY_ROLE
     row, _ = held.nonzero(as_tuple=True)
     slot = (held.cumsum(1) - 1)[held]
@@ -40,7 +40,7 @@ def slots_of(batch: Batch) -> Tensor:
     yaw, *corners = (values[held] - starts).unbind(-1)
     low, high = (torch.stack(pair, dim=-1) for pair in (corners[:2], corners[2:]))
     turn = yaw * (2.0 * torch.pi / YAWS)
-    found[row, slot] = torch.cat(
+    slots[row, slot] = torch.cat(
         [
             codes_of(roles[held] - 1),
             ((low + high) / 2 - PLACES // 2) * STEP_M / MIDDLE_M,
@@ -49,7 +49,7 @@ def slots_of(batch: Batch) -> Tensor:
         ],
         dim=-1,
     )
-    return found
+    return slots
 
 
 def codes_of(categories: Tensor) -> Tensor:
@@ -62,7 +62,7 @@ def elements_of(slots: Floats) -> tuple[Element, ...]:
 
     Boxes lie on the grid of lists, and are at least a step long.
     """
-    found = []
+    elements = []
     for slot in slots:
         category = int(slot[: CATEGORIES + 1].argmax())
         if category == EMPTY:
@@ -72,5 +72,9 @@ def elements_of(slots: Floats) -> tuple[Element, ...]:
         ends = np.stack([middle * MIDDLE_M - half, middle * MIDDLE_M + half])
         low, high = np.clip(np.rint(ends / STEP_M).astype(int) + PLACES // 2, 0, PLACES - 1)
         yaw = round(float(np.arctan2(facing[1], facing[0])) / (2 * np.pi) * YAWS) % YAWS
-        found.append(Element(category, (yaw, *map(int, low), *map(int, high))))
-    return tuple(sorted(found, key=lambda one: (one.category, one.values[1], one.values[2])))
+        elements.append(Element(category, (yaw, *map(int, low), *map(int, high))))
+    return tuple(
+        sorted(
+            elements, key=lambda element: (element.category, element.values[1], element.values[2])
+        )
+    )

@@ -1,8 +1,8 @@
 """A denoiser of the boxes of a room, unordered, as DiffuScene's: a baseline, never shipped.
 
-A small transformer sees the noisy slots of a room (boxes_data.py) beside what lies around, told as
-lists are told it (vocabulary.py), and says what each slot holds. Slots have no order: noise
-alone tells one from another.
+A small transformer sees the noisy slots of a room (boxes_data.py) beside the surroundings, coded as
+for lists (vocabulary.py), and predicts the content of each slot. Slots have no order: noise
+alone distinguishes them.
 """
 
 from __future__ import annotations
@@ -92,20 +92,20 @@ class BoxNetwork(nn.Module):
         for block in self.blocks:
             state = block(state, mask)
         out = self.head(self.norm(state[:, lies.shape[1] :]))
-        # Told as velocity, a box is kept where there is little noise and drawn anew where much is.
+        # As velocity, a box is kept where there is little noise and predicted where there is much.
         kept = self.kept[times][:, None, None]
         box = kept.sqrt() * noisy[..., -BOX:] - (1.0 - kept).sqrt() * out[..., -BOX:]
         return out[..., : CATEGORIES + 1], box
 
     def _around(self, around: Surroundings) -> tuple[Tensor, Tensor]:
         """(B, 1 + S, channels) what lies around, and (B, 1 + S) which of it is there."""
-        told: Tensor = self.flags(around.flags)
+        state: Tensor = self.flags(around.flags)
         for index, table in enumerate(self.facts):
-            told = told + table(around.facts[:, index])
+            state = state + table(around.facts[:, index])
         place_m = (around.segments[..., 1:] - PLACES // 2) * STEP_M
         lines = self.segment_kind(around.segments[..., 0]) + self.segment_place(_places(place_m))
         there = functional.pad(around.segments[..., 0] != NO_SEGMENT, (1, 0), value=True)
-        return torch.cat([told[:, None], lines], dim=1), there
+        return torch.cat([state[:, None], lines], dim=1), there
 
 
 def _places(place_m: Tensor) -> Tensor:

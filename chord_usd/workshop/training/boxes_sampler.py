@@ -46,11 +46,11 @@ class BoxDrawer:
         """
         del heat
         generator = torch.Generator().manual_seed(int(rng.integers(2**62)))
-        found: list[Drawn] = []
+        drawn: list[Drawn] = []
         for first in range(0, len(subjects), BATCH):
             slots = self._denoised(subjects[first : first + BATCH], generator)
-            found += [Drawn(elements_of(own), 0.0) for own in slots.numpy()]
-        return found
+            drawn += [Drawn(elements_of(rows), 0.0) for rows in slots.numpy()]
+        return drawn
 
     @torch.inference_mode()
     def _denoised(self, subjects: Sequence[Subject], generator: torch.Generator) -> Tensor:
@@ -69,10 +69,16 @@ class BoxDrawer:
 
 def _around(subjects: Sequence[Subject]) -> Surroundings:
     most = max(len(subject.segments) for subject in subjects)
-    segments = np.stack([
-        np.pad(one.segments, ((0, most - len(one.segments)), (0, 0)), constant_values=NO_SEGMENT)
-        for one in subjects
-    ])  # fmt: skip
+    segments = np.stack(
+        [
+            np.pad(
+                subject.segments,
+                ((0, most - len(subject.segments)), (0, 0)),
+                constant_values=NO_SEGMENT,
+            )
+            for subject in subjects
+        ]
+    )
     facts = np.stack([subject.facts for subject in subjects])
     flags = np.stack([subject.flags for subject in subjects]).astype(np.float32)
     return Surroundings(*map(torch.from_numpy, (segments, facts, flags)))

@@ -43,8 +43,8 @@ def train_boxes(
             return {}
         generator = torch.Generator(config.device).manual_seed(0)
         with torch.inference_mode():
-            found = denoising_losses(network, moved(held_out, config.device), generator)
-        return {f"held_out_{name}": round(float(loss), 4) for name, loss in found.items()}
+            losses = denoising_losses(network, moved(held_out, config.device), generator)
+        return {f"held_out_{name}": round(float(loss), 4) for name, loss in losses.items()}
 
     def write(to: Path, network: BoxNetwork, facts: dict[str, Any]) -> None:
         write_weights(to, network, {"training": facts})
@@ -67,7 +67,7 @@ def denoising_losses(
     logits, boxes = network(noisy, times, Surroundings(*batch[:3]))
     wanted = clean[..., : CATEGORIES + 1].argmax(dim=-1)
     category = functional.cross_entropy(logits.flatten(0, 1), wanted.flatten())
-    # Squared error of the velocity that the network tells.
+    # Squared error of the velocity that the network predicts.
     noise_share = 1.0 - network.kept[times][:, None]
     error = ((boxes - clean[..., -BOX:]) ** 2).mean(dim=-1) / noise_share
     weight = torch.where(wanted == EMPTY, _EMPTY_WEIGHT, 1.0)

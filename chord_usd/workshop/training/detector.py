@@ -37,11 +37,11 @@ SPOILING: dict[Kind, Spoiling] = {
 }
 
 _CHROMA_GAIN = 4.0
-"""What hues count beside brightness while training.
+"""Weight of hues beside brightness while training.
 
 Items are painted at 0.3 opacity: a washing machine is a few hundredths off white, a wall is black.
-Seen with hues four times as strong the network learns to tell them sooner; the gain is folded into
-its first layer when it is saved, which then takes the raster as it is.
+With hues four times as strong the network learns to distinguish them sooner; the gain is folded
+into its first layer when it is saved, which then takes the raster as it is.
 """
 
 LOG_FILE = "log.jsonl"
@@ -82,10 +82,10 @@ def train_detector(
 ) -> dict[str, Any]:
     """Train one network for config.minutes; leave out/checkpoint and a log in out.
 
-    resume: start from the weights there (their running mean; the optimiser starts anew). The
-    checkpoint is whole at any time: it is rewritten every save_minutes. progress is told seconds
-    done and in all. generated: painted by the layout model, seen beside drawings. Returns what the
-    model card tells of the run. Raises CheckpointError when there is nothing to resume from.
+    resume: start from the weights there (their running mean; the optimiser starts afresh). The
+    checkpoint is whole at any time: it is rewritten every save_minutes. progress gets seconds
+    done and in all. generated: painted by the layout model, seen beside drawings. Returns the
+    model card's facts of the run. Raises CheckpointError when there is nothing to resume from.
     """
     begin_run(out)
     config = config or DetectorTraining()
@@ -167,7 +167,7 @@ class _Run:
             log.write(json.dumps({**row, **means}) + "\n")
 
     def facts(self) -> dict[str, Any]:
-        """What the model card tells of the run so far."""
+        """The model card's facts of the run so far."""
         return {
             "version": __version__,
             "images": self.images,

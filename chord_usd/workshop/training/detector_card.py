@@ -34,7 +34,7 @@ def write_card(
 ) -> None:
     """Write the card into folder.
 
-    facts: what training tells. scores: map50, by_class, truths, layouts, split.
+    facts: the summary of training. scores: map50, by_class, truths, layouts, split.
     """
     start = facts.get("start")
     origin = f"started from the weights of `{start}`" if start else "trained from scratch"
@@ -62,7 +62,8 @@ def write_card(
         f"{scores['layouts']} clean layouts of test houses, half of them unshaded |",
         "| licence | AGPL-3.0-or-later, as ultralytics and this package |",
         "",
-        f"Average precision at an overlap of one half, by class: {_told(scores['by_class'])}.",
+        "Average precision at an overlap of one half, by class: "
+        f"{_weak_classes(scores['by_class'])}.",
         "",
         *_sheet(folder),
         f"Made by `chord-usd train detector --kind {kind}`; `chord-usd evaluate detector` scores "
@@ -72,7 +73,7 @@ def write_card(
     write_atomic(folder / CARD_FILE, "\n".join(lines))
 
 
-def _told(by_class: Mapping[str, float]) -> str:
+def _weak_classes(by_class: Mapping[str, float]) -> str:
     """The classes that are found less well; a table of all would fill the page."""
     weak = {name: value for name, value in by_class.items() if value < _GOOD}
     named = ", ".join(f"{name} {value:.3f}" for name, value in sorted(weak.items()))

@@ -26,7 +26,7 @@ from chord_usd.workshop.data.splits import is_test_seed
 from chord_usd.workshop.training.detector_data import Sample, sample_of
 
 _FIRST_SEED = 500_000_000
-"""Far from the seeds of other training data, and below those of test houses."""
+"""Far from the seeds of other training data, and below the seeds of test houses."""
 
 _MARGIN_PX = (3, 40)
 _BATCH = 4

@@ -87,8 +87,8 @@ class FloorStream(BatchStream):
         seed = TEST_SEED
         while len(drawn) < count:
             rng = np.random.default_rng(seed)
-            found = self._drawn(random_plan(rng), rng)
-            drawn += [found] if found else []
+            house = self._drawn(random_plan(rng), rng)
+            drawn += [house] if house else []
             seed += 1
         return drawn
 
@@ -130,15 +130,15 @@ class FloorStream(BatchStream):
         if self.config.condition == "outline":
             # Its walls say how large it is.
             wish = replace(said.wish, area_m2=None)
-            return self._told(wish if rng.random() < self.config.wish_chance else Wish())
+            return self._conditions(wish if rng.random() < self.config.wish_chance else Wish())
         if rng.random() < self.config.silent_chance:
-            return self._told(Wish())
+            return self._conditions(Wish())
         if rng.random() >= self.config.text_chance:
-            return self._told(said.wish)
+            return self._conditions(said.wish)
         self._encoder = self._encoder or self._load_encoder()
-        return self._told(said.wish, self._encoder.encode([said.text])[0])
+        return self._conditions(said.wish, self._encoder.encode([said.text])[0])
 
-    def _told(self, wish: Wish, text: npt.NDArray[np.float32] | None = None) -> Words:
+    def _conditions(self, wish: Wish, text: npt.NDArray[np.float32] | None = None) -> Words:
         return condition_words(wish, text, self._text_channels)
 
 

@@ -46,9 +46,11 @@ class GuidedTrainer(LayoutTrainer):
         guidance: by how much the teacher's difference from the guide is multiplied; 1 is the
         teacher alone. Raises CheckpointError for an unusable folder.
         """
-        leaders = [load_checkpoint(one, config.device).network for one in (teacher, guide)]
+        leaders = [
+            load_checkpoint(checkpoint, config.device).network for checkpoint in (teacher, guide)
+        ]
         # What they are not shown they say nothing of.
-        draft = all(one.config.draft for one in leaders)
+        draft = all(leader.config.draft for leader in leaders)
         super().__init__(replace(network_config, draft=draft), config, folder)
         self._teacher, self._guide = leaders
         self._guidance = guidance

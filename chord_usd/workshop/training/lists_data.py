@@ -1,4 +1,4 @@
-"""Rooms to learn lists from: furnished anew for ever, in all eight poses."""
+"""Rooms to learn lists from: an endless stream of furnished rooms, in all eight poses."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ FLAT_SHARE = 0.35
 UNTOLD_SHARE = 0.4
 """Houses whose rooms know nothing of what the others hold."""
 UNNAMED_SHARE = 0.05
-"""Rooms whose kind is not told, as on plans without names."""
+"""Share of rooms without a kind, as on plans without names."""
 POOL = 12_000
 """Rooms that are kept and seen again in other poses."""
 NEW_HOUSES = 3
@@ -48,16 +48,18 @@ def examples_of(
     house: SceneGraph, teacher: pieces.Teacher, rng: np.random.Generator
 ) -> list[Example]:
     """Rooms of a house: each knows of those furnished before it, in random order, or of none."""
-    is_told = rng.random() >= UNTOLD_SHARE
+    is_known = rng.random() >= UNTOLD_SHARE
     order = rng.permutation(len(house.rooms))
-    told = [house.rooms[i].id for i in order[: rng.integers(len(order) + 1)]] if is_told else None
-    arounds = pieces.rooms_around(house, teacher, told)
-    known = frozenset(told or ())
-    found = []
+    finished = (
+        [house.rooms[i].id for i in order[: rng.integers(len(order) + 1)]] if is_known else None
+    )
+    arounds = pieces.rooms_around(house, teacher, finished)
+    known = frozenset(finished or ())
+    examples = []
     for room, around in zip(house.rooms, arounds, strict=True):
         if room.id not in known:
-            found.append(Example(around, tuple(house.items_of(room.id))))
-    return found
+            examples.append(Example(around, tuple(house.items_of(room.id))))
+    return examples
 
 
 def endless_houses(
@@ -77,19 +79,19 @@ def endless_houses(
             yield furnished[int(rng.integers(len(furnished)))], "homes"
             continue
         if flats and rng.random() < FLAT_SHARE:
-            plan, own = flats[int(rng.integers(len(flats)))], rng
+            plan, flat_rng = flats[int(rng.integers(len(flats)))], rng
         else:
-            own = np.random.default_rng(training_seed(rng, procedural))
-            plan = random_plan(own)
-        is_home = own.random() < HOMES_SHARE and not furnished
+            flat_rng = np.random.default_rng(training_seed(rng, procedural))
+            plan = random_plan(flat_rng)
+        is_home = flat_rng.random() < HOMES_SHARE and not furnished
         teacher: pieces.Teacher = "homes" if is_home else "paper"
-        yield furnish(plan, own, teacher), teacher
+        yield furnish(plan, flat_rng, teacher), teacher
 
 
 def held_out(count: int) -> list[Example]:
     """The rooms of the first test houses, as homes."""
     owns = [np.random.default_rng(TEST_SEED + index) for index in range(count)]
-    return examples_in([furnish(random_plan(own), own) for own in owns])
+    return examples_in([furnish(random_plan(generator), generator) for generator in owns])
 
 
 def examples_in(houses: Iterable[SceneGraph]) -> list[Example]:
@@ -130,7 +132,7 @@ def endless_batches(
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class ListSample:
     """One list and what it is for, as numbers."""
 
     segments: Ints
@@ -140,37 +142,37 @@ class Told:
     sequence: Sequences
 
 
-def stacked(told: Sequence[Told]) -> Batch:
+def stacked(samples: Sequence[ListSample]) -> Batch:
     """Lists of one vocabulary side by side, padded to the longest."""
-    longest = max(len(one.sequence.roles) for one in told)
-    most = max(len(one.segments) for one in told)
-    count, slots = len(told), told[0].sequence.values.shape[1]
+    longest = max(len(sample.sequence.roles) for sample in samples)
+    most = max(len(sample.segments) for sample in samples)
+    count, slots = len(samples), samples[0].sequence.values.shape[1]
     segments = np.zeros((count, most, SEGMENT_FIELDS), np.int64)
     roles = np.zeros((count, longest), np.int64)
     left = np.zeros_like(roles)
     values = np.zeros((count, longest, slots), np.int64)
-    for index, one in enumerate(told):
-        length = len(one.sequence.roles)
-        segments[index, : len(one.segments)] = one.segments
-        roles[index, :length], left[index, :length] = one.sequence.roles, one.sequence.left
-        values[index, :length] = one.sequence.values
-    facts = np.stack([one.facts for one in told])
-    flags = np.stack([one.flags for one in told])
+    for index, sample in enumerate(samples):
+        length = len(sample.sequence.roles)
+        segments[index, : len(sample.segments)] = sample.segments
+        roles[index, :length], left[index, :length] = sample.sequence.roles, sample.sequence.left
+        values[index, :length] = sample.sequence.values
+    facts = np.stack([sample.facts for sample in samples])
+    flags = np.stack([sample.flags for sample in samples])
     arrays = (segments, facts, flags, roles, left, values)
-    found = [torch.from_numpy(array) for array in arrays]
-    return found[0], found[1], found[2], found[3], found[4], found[5]
+    tensors = [torch.from_numpy(array) for array in arrays]
+    return tensors[0], tensors[1], tensors[2], tensors[3], tensors[4], tensors[5]
 
 
 def batch_of(examples: Sequence[Example], rng: np.random.Generator | None = None) -> Batch:
     """Rooms side by side, each in a pose of its own where rng is given."""
-    told = [_told(example, rng) for example in examples]
+    samples = [_sample(example, rng) for example in examples]
     if rng is not None:
-        for index in np.flatnonzero(rng.random(len(told)) < UNNAMED_SHARE):
-            told[index].facts[0] = LEARNED_KINDS.index("unknown")
-    return stacked(told)
+        for index in np.flatnonzero(rng.random(len(samples)) < UNNAMED_SHARE):
+            samples[index].facts[0] = LEARNED_KINDS.index("unknown")
+    return stacked(samples)
 
 
-def _told(example: Example, rng: np.random.Generator | None) -> Told:
+def _sample(example: Example, rng: np.random.Generator | None) -> ListSample:
     """A room and its list, in a random pose."""
     turns, mirrored = (int(rng.integers(4)), bool(rng.integers(2))) if rng else (0, False)
     around = example.around
@@ -180,7 +182,7 @@ def _told(example: Example, rng: np.random.Generator | None) -> Told:
     if rng is not None:
         segments = rng.permutation(segments)
     sequence = sequence_of(pieces.PIECES, elements)
-    return Told(segments, around.facts.copy(), around.flags, sequence)
+    return ListSample(segments, around.facts.copy(), around.flags, sequence)
 
 
 def _posed(lines_m: FloatArray, quarter_turns: int, mirrored: bool) -> FloatArray:

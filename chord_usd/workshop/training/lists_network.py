@@ -1,7 +1,7 @@
 """The list network: a small transformer that writes lists of things, one vocabulary or another.
 
-It sees what lies around as segments and the facts about the whole, then tells categories and
-elements in order (vocabulary.py). Places are told with one grid for segments and elements, so
+It sees what lies around as segments and the facts about the whole, then writes categories and
+elements in order (vocabulary.py). Places are coded with one grid for segments and elements, so
 the tables of places start alike, from waves: to stand at a wall is to repeat its number.
 """
 
@@ -79,23 +79,23 @@ class ListNetwork(nn.Module):
                     if axis == name]  # fmt: skip
             slots = [slot for slot, other in enumerate(vocabulary.slots) if other == name]
             for nth, slot in enumerate(slots):
-                told = waves @ _turn(channels, generator)
-                _weight(self.before[slot])[span] = told
+                turned = waves @ _turn(channels, generator)
+                _weight(self.before[slot])[span] = turned
                 if slot < self.slots - 1:
-                    _weight(self.own[slot])[span] = told
+                    _weight(self.own[slot])[span] = turned
                 if nth < len(ends):
-                    _weight(ends[nth])[:] = told
+                    _weight(ends[nth])[:] = turned
 
     def around(self, segments: Tensor, facts: Tensor, flags: Tensor) -> tuple[Tensor, Tensor]:
         """(B, 1 + S, channels) what lies around, and (B, 1 + S) which of it is there."""
-        told: Tensor = self.flags(flags)
+        state: Tensor = self.flags(flags)
         for index, table in enumerate(self.facts):
-            told = told + table(facts[:, index])
+            state = state + table(facts[:, index])
         lines: Tensor = self.segment_kind(segments[..., 0])
         for index, table in enumerate(self.segment_place):
             lines = lines + table(segments[..., 1 + index])
         there = functional.pad(segments[..., 0] != NO_SEGMENT, (1, 0), value=True)
-        return torch.cat([told[:, None], lines], dim=1), there
+        return torch.cat([state[:, None], lines], dim=1), there
 
     def states(
         self,
@@ -109,10 +109,10 @@ class ListNetwork(nn.Module):
         """(B, L, channels) what is known at each position before its own values."""
         around, there = self.around(segments, facts, flags)
         before = functional.pad(values[:, :-1], (0, 0, 1, 0))
-        told = self.role(roles) + self.left(left) + self.order.weight[: roles.shape[1]]
+        inputs = self.role(roles) + self.left(left) + self.order.weight[: roles.shape[1]]
         for slot, table in enumerate(self.before):
-            told = told + table(before[..., slot])
-        state = torch.cat([around, told], dim=1)
+            inputs = inputs + table(before[..., slot])
+        state = torch.cat([around, inputs], dim=1)
         mask = _seen(state, around.shape[1], there)
         for block in self.blocks:
             state = block(state, mask)
@@ -123,10 +123,10 @@ class ListNetwork(nn.Module):
         """(..., n) of the values in the span of one slot, from a state that knows those before."""
         first, end = self.spans[slot]
         inner = self.hidden[slot](state)
-        found = functional.linear(inner, self.head.weight[first:end], self.head.bias[first:end])
+        logits = functional.linear(inner, self.head.weight[first:end], self.head.bias[first:end])
         if slot:
-            return found
-        return torch.where(self.allowed[roles, slot, first:end], found, BARRED)
+            return logits
+        return torch.where(self.allowed[roles, slot, first:end], logits, BARRED)
 
     def forward(
         self,
@@ -158,9 +158,9 @@ class ListNetwork(nn.Module):
 
     def _slot_chances(self, state: Tensor, roles: Tensor, values: Tensor, slot: int) -> Tensor:
         chances = self.logits(state, roles, slot).log_softmax(dim=-1)
-        own = values[..., slot, None] - self.spans[slot][0]
-        found: Tensor = chances.gather(-1, own)[..., 0]
-        return found
+        index = values[..., slot, None] - self.spans[slot][0]
+        chosen: Tensor = chances.gather(-1, index)[..., 0]
+        return chosen
 
 
 class Drawing(nn.Module):
@@ -184,7 +184,7 @@ class Drawing(nn.Module):
 
         noise: (B, slots, size), added to the logits: Gumbel noise times the temperature, BARRED for
         what may not be drawn. What the last position of values holds already is kept. Of a position
-        that tells a category, only the first slot means anything.
+        that holds a category, only the first slot means anything.
         """
         network = self.network
         state = network.states(segments, facts, flags, roles, left, values)[:, -1]
@@ -192,16 +192,16 @@ class Drawing(nn.Module):
         for slot in range(network.slots):
             first, end = network.spans[slot]
             logits = network.logits(state, roles[:, -1], slot)
-            own = noise[:, slot, first:end]
-            possible = torch.where(own < BARRED / 2, BARRED, logits)
+            slot_noise = noise[:, slot, first:end]
+            possible = torch.where(slot_noise < BARRED / 2, BARRED, logits)
             likely = possible > possible.amax(dim=-1, keepdim=True) + math.log(LEAST_CHANCE)
-            found = torch.where(likely, possible + own, 4 * BARRED).argmax(dim=-1) + first
+            picked = torch.where(likely, possible + slot_noise, 4 * BARRED).argmax(dim=-1) + first
             given = values[:, -1, slot]
-            found = torch.where(given == NOTHING, found, given)
-            drawn.append(found)
-            chances.append(logits.log_softmax(dim=-1).gather(-1, found[:, None] - first)[:, 0])
+            picked = torch.where(given == NOTHING, picked, given)
+            drawn.append(picked)
+            chances.append(logits.log_softmax(dim=-1).gather(-1, picked[:, None] - first)[:, 0])
             if slot < network.slots - 1:
-                state = state + network.own[slot](found)
+                state = state + network.own[slot](picked)
         return torch.stack(drawn, dim=1), torch.stack(chances, dim=1)
 
 
@@ -226,8 +226,8 @@ def _weight(table: nn.Module) -> Tensor:
 
 def _turn(channels: int, generator: torch.Generator) -> Tensor:
     """(channels, channels) a random rotation."""
-    found: Tensor = torch.linalg.qr(torch.randn(channels, channels, generator=generator))[0]
-    return found
+    turn: Tensor = torch.linalg.qr(torch.randn(channels, channels, generator=generator))[0]
+    return turn
 
 
 def _waves(count: int, channels: int) -> Tensor:
@@ -239,7 +239,7 @@ def _waves(count: int, channels: int) -> Tensor:
 
 
 def _seen(state: Tensor, around: int, there: Tensor) -> Tensor:
-    """(B, 1, L, L) what is added to attention: positions see what is around and told before."""
+    """(B, 1, L, L) mask of attention: positions see the surroundings and earlier positions."""
     place = torch.arange(state.shape[1], device=state.device)
     seen = (place[None] <= place[:, None]) | (place[None] < around)
     present = functional.pad(there, (0, state.shape[1] - around), value=True)

@@ -47,7 +47,7 @@ class ListTraining(RunConfig):
     houses: int | None = None
     """How many different procedural ones there are; None for no two alike."""
     furnished: int = 0
-    """How many of somebody else's there are in place of ours."""
+    """How many foreign houses there are in place of procedural houses."""
 
 
 def train_lists(
@@ -80,10 +80,10 @@ def take_up(network: ListNetwork, tensors: dict[str, Tensor]) -> None:
 
     Raises RuntimeError where they do not fit.
     """
-    own = network.segment_kind.weight
+    weight = network.segment_kind.weight
     known = tensors["segment_kind.weight"]
-    if known.shape[1:] == own.shape[1:] and len(known) < len(own):
-        tensors = {**tensors, "segment_kind.weight": torch.cat([known, own[len(known) :].data])}
+    if known.shape[1:] == weight.shape[1:] and len(known) < len(weight):
+        tensors = {**tensors, "segment_kind.weight": torch.cat([known, weight[len(known) :].data])}
     network.load_state_dict(tensors)
 
 

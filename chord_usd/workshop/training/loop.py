@@ -146,8 +146,8 @@ def _begun(
             ) from error
         network.to(config.device)
     weights.average.eval()
-    told = json.loads((start / CONFIG_FILE).read_text(encoding="utf-8"))["training"]
-    return {"step": int(told["steps"]), "minutes": float(told["minutes"])}
+    trained = json.loads((start / CONFIG_FILE).read_text(encoding="utf-8"))["training"]
+    return {"step": int(trained["steps"]), "minutes": float(trained["minutes"])}
 
 
 def _calibrated(lesson: Lesson[NetworkT, Any], weights: Weights[NetworkT]) -> NetworkT:
@@ -188,8 +188,8 @@ class _Log:
     def add(self, step: int, minutes: float, losses: Mapping[str, Tensor]) -> None:
         for name, loss in losses.items():
             # Summed on the device: to ask for each would make the processor wait for it.
-            own = loss.detach()
-            self.seen[name] = self.seen[name] + own if name in self.seen else own.clone()
+            value = loss.detach()
+            self.seen[name] = self.seen[name] + value if name in self.seen else value.clone()
         self.count += 1
         if step % _LOG_STEPS == 0:
             means = {name: round(float(total) / self.count, 4) for name, total in self.seen.items()}
@@ -206,7 +206,7 @@ def write_weights(folder: Path, network: nn.Module, description: Mapping[str, An
         name: tensor.cpu().contiguous().to(torch.float16)
         for name, tensor in network.state_dict().items()
     }
-    told = json.dumps({"format": FORMAT, **description}, indent=2)
+    text = json.dumps({"format": FORMAT, **description}, indent=2)
     with checkpoint_files(folder):
         write_atomic(folder / WEIGHTS_FILE, save(halves))
-        write_atomic(folder / CONFIG_FILE, (told + "\n").encode())
+        write_atomic(folder / CONFIG_FILE, (text + "\n").encode())

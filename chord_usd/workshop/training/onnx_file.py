@@ -50,12 +50,12 @@ def traced(
     outputs: Sequence[str],
     free_axes: Mapping[str, Mapping[int, str]] | None = None,
 ) -> Any:
-    """The onnx.ModelProto of a network, arguments as write_graph's; its weights are drawn anew."""
+    """The onnx.ModelProto of a network, arguments as write_graph's; its weights are random."""
     import onnx
 
     file: Any = io.BytesIO()  # the exporter that traces takes one
     with warnings.catch_warnings(), torch.inference_mode():
-        # The exporter that follows tensors through plain Python tells so at length.
+        # The exporter that follows tensors through plain Python warns at length.
         warnings.simplefilter("ignore")
         torch.onnx.export(
             _with_unlike_weights(network.eval()),
@@ -63,7 +63,7 @@ def traced(
             file,
             dynamo=False,
             opset_version=OPSET,
-            # Folded weights are not those of the file any more; the runtime folds them anyway.
+            # Folded weights differ from the file's weights; the runtime folds them anyway.
             do_constant_folding=False,
             input_names=list(inputs),
             output_names=list(outputs),

@@ -98,25 +98,25 @@ def crop_of(page: CrowdedPage, side_px: float, rng: np.random.Generator) -> Crop
 
 def _kinds(storeys: Sequence[DrawnStorey], matrix: FloatArray) -> ByteArray:
     """(CROP_PX, CROP_PX) kinds of floors. matrix: (3, 3) from metres to pixels of the crop."""
-    found = np.full((CROP_PX, CROP_PX), NO_KIND, np.uint8)
+    kinds = np.full((CROP_PX, CROP_PX), NO_KIND, np.uint8)
     for room in (room for storey in storeys for room in storey.plan.rooms):
         if room.kind == "unknown":
             continue
         seen = np.column_stack([room.polygon_m, np.ones(len(room.polygon_m))]) @ matrix.T
         corners = np.rint(seen[:, :2] / seen[:, 2:] - 0.5).astype(np.int32)
-        cv2.fillPoly(found, [corners], (KIND_NAMES.index(learned_kind(room.kind)),))
-    return found
+        cv2.fillPoly(kinds, [corners], (KIND_NAMES.index(learned_kind(room.kind)),))
+    return kinds
 
 
 def _window(array: ByteArray, spot: np.ndarray, beyond: np.ndarray) -> ByteArray:
     """A square of CROP_PX from (x, y) on; what lies beyond the array is filled."""
-    found = np.empty((CROP_PX, CROP_PX, *array.shape[2:]), np.uint8)
-    found[:] = beyond
+    window = np.empty((CROP_PX, CROP_PX, *array.shape[2:]), np.uint8)
+    window[:] = beyond
     x, y = int(spot[0]), int(spot[1])
     left, top = max(0, -x), max(0, -y)
     part = array[max(0, y) : y + CROP_PX, max(0, x) : x + CROP_PX]
-    found[top : top + part.shape[0], left : left + part.shape[1]] = part
-    return found
+    window[top : top + part.shape[0], left : left + part.shape[1]] = part
+    return window
 
 
 def posed(crop: Crop, rng: np.random.Generator) -> Crop:
@@ -125,7 +125,7 @@ def posed(crop: Crop, rng: np.random.Generator) -> Crop:
     if rng.random() < 0.5:
         rgb, labels, kinds = rgb[:, ::-1], labels[:, ::-1], kinds[:, ::-1]
         points[:, 0] = CROP_PX - points[:, 0]
-    # Most pages are upright, and letters tell.
+    # Most pages are upright, and letters show it.
     if rng.random() < 0.3:
         rgb, labels, kinds = rgb.transpose(1, 0, 2), labels.T, kinds.T
         points[:, :2] = points[:, 1::-1]
@@ -163,8 +163,8 @@ def batch_of(crops: Sequence[Crop]) -> Batch:
     middle = KIND_STEP_PX // 2
     kinds = np.stack([crop.kinds[middle::KIND_STEP_PX, middle::KIND_STEP_PX] for crop in crops])
     arrays = (rgb, built_of(labels), laid_of(labels), heat, kinds)
-    found = [torch.from_numpy(np.ascontiguousarray(array)) for array in arrays]
-    return found[0], found[1], found[2], found[3], found[4]
+    tensors = [torch.from_numpy(np.ascontiguousarray(array)) for array in arrays]
+    return tensors[0], tensors[1], tensors[2], tensors[3], tensors[4]
 
 
 def held_out(count: int) -> list[Crop]:

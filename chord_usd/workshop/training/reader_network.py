@@ -53,7 +53,7 @@ def _pair(inner: int, outer: int) -> nn.Sequential:
 
 
 class _Zones(nn.Module):
-    """What a wide look around adds to the logits of kinds: the pieces about a spot tell what an
+    """Adds the evidence of a wide view to the logits of kinds: the pieces about a spot show what an
     open floor is for. Adds nothing before anything is learned."""
 
     def __init__(self, fine: int, coarse: int) -> None:
@@ -114,7 +114,7 @@ class ReaderNetwork(nn.Module):
         return self._kinds(rgb)[0]
 
     def _kinds(self, rgb: Tensor) -> tuple[Tensor, Tensor, list[Tensor]]:
-        """Logits of kinds, the features they come of, and those of each level on the way down."""
+        """Logits of kinds, their features, and the features of each level on the way down."""
         now = self.stem(rgb)
         seen = []
         for level, down in enumerate(self.down):
@@ -131,7 +131,7 @@ class ReaderNetwork(nn.Module):
         return finer
 
     def keep_all_but_kinds(self) -> None:
-        """Fuse and freeze all but what tells kinds."""
+        """Fuse and freeze all but the head for kinds."""
         for name, module in self.named_children():
             if name not in ("kinds", "zones"):
                 _fuse(module.eval())
@@ -158,7 +158,7 @@ def take_up_fused(network: ReaderNetwork, weights: Mapping[str, Tensor], rgb: Te
 
     Each normalisation is given the scale and offset that undo what it does to rgb, (B, 3, H, W) in
     [-1, 1], so that the network says of such pictures what the fused one does. Raises KeyError or
-    RuntimeError where the weights are those of a network of other channels.
+    RuntimeError where the weights belong to a network of other channels.
     """
     plain = dict(network.named_parameters())
     offsets: dict[nn.Module, Tensor] = {}
@@ -172,9 +172,9 @@ def take_up_fused(network: ReaderNetwork, weights: Mapping[str, Tensor], rgb: Te
     for name in (f"{head}.{part}" for head in _HEADS for part in ("weight", "bias")):
         plain[name].copy_(weights[name])
 
-    def undo(norm: nn.Module, told: tuple[Tensor]) -> None:
+    def undo(norm: nn.Module, inputs: tuple[Tensor]) -> None:
         assert isinstance(norm, nn.BatchNorm2d)
-        variance, mean = torch.var_mean(told[0], dim=(0, 2, 3), correction=0)
+        variance, mean = torch.var_mean(inputs[0], dim=(0, 2, 3), correction=0)
         norm.weight.copy_((variance + norm.eps).sqrt())
         norm.bias.copy_(mean + offsets[norm])
 

@@ -67,7 +67,7 @@ class ReaderTraining(RunConfig):
     ema_decay: float = 0.998
     workers: int = 1
     kinds_only: bool = False
-    """Whether all but what tells kinds of floors stays as it is at the start."""
+    """Whether all but the head for kinds of floors stays as it is at the start."""
 
 
 ON_GPU = ReaderTraining(
@@ -97,8 +97,8 @@ def train_reader(
 
     is_cuda = config.device.startswith("cuda")
 
-    def losses(network: ReaderNetwork, told: Batch) -> dict[str, Tensor]:
-        batch = _moved(told, config.device)
+    def losses(network: ReaderNetwork, raw: Batch) -> dict[str, Tensor]:
+        batch = _moved(raw, config.device)
         pictures.append(batch[0])
         if config.kinds_only:
             return {"kinds": _kinds_loss(kinds_of(network, batch[0]), batch[-1])}
@@ -118,7 +118,7 @@ def train_reader(
 
 
 def _first_pages(seed: int) -> Tensor:
-    """What a network sees whose normalisation is counted anew."""
+    """Inputs of a network whose normalisation is to be measured again."""
     return next(iter(PageStream(_TAKEN_UP_ON, seed)))[0].float() / 127.5 - 1.0
 
 
@@ -244,12 +244,12 @@ def score(network: ReaderNetwork, crops: Sequence[Crop], device: str) -> dict[st
                 guesses, truths = guess == kind, true == kind
                 both = guesses & truths
                 row += torch.stack([both.sum(), guesses.sum(), truths.sum()]).cpu()
-    found = {"crops": float(len(crops)), "kinds": round(right / max(floor, 1), 3)}
+    scores = {"crops": float(len(crops)), "kinds": round(right / max(floor, 1), 3)}
     for head, names in (("built", BUILT_NAMES), ("laid", LAID_NAMES)):
         for name, (both, guessed, really) in zip(names, counts[head].tolist(), strict=True):
             if really:
-                found[name] = round(both / (guessed + really - both), 3)
-    return found
+                scores[name] = round(both / (guessed + really - both), 3)
+    return scores
 
 
 def write_checkpoint(folder: Path, network: ReaderNetwork, facts: dict[str, Any]) -> None:

@@ -45,7 +45,8 @@ def sketched(plan: Plan) -> Sketched | None:
     half_m = plan_labels.CANVAS_PX * scale / 2
     x_m, y_m = frame.origin_m[0] + half_m, frame.origin_m[1] + half_m
     bubbles = tuple(
-        Bubble(one.kind, one.x_m - x_m, one.y_m - y_m, one.radius_m) for one in bubbles_of(plan)
+        Bubble(bubble.kind, bubble.x_m - x_m, bubble.y_m - y_m, bubble.radius_m)
+        for bubble in bubbles_of(plan)
     )
     return Sketched(bubbles, floor_area_m2(plan), tokens.shell_cells(shell, scale))
 
@@ -88,7 +89,7 @@ def held_out(count: int) -> list[Sketched]:
 def endless_batches(
     houses: Sequence[Sketched], real: Sequence[Sketched], share: float, batch: int, seed: int
 ) -> Iterator[Batch]:
-    """Batches of houses in all eight poses, sketched anew each time.
+    """Batches of houses in all eight poses, in a new random pose each time.
 
     share: of real ones, in [0, 1], where there are any.
     """
@@ -100,20 +101,20 @@ def endless_batches(
             else houses[int(rng.integers(len(houses)))]
             for _ in range(batch)
         ]
-        yield batch_of([_seen_anew(house, rng) for house in chosen])
+        yield batch_of([_posed_at_random(house, rng) for house in chosen])
 
 
 def batch_of(houses: Sequence[Sketched]) -> Batch:
     """Houses side by side; shorter ones end in empty slots."""
-    found = [tokens.sequence_of(house.bubbles, house.area_m2) for house in houses]
-    longest = max(len(one.roles) for one in found)
-    roles = np.zeros((len(found), longest), np.int64)
+    sequences = [tokens.sequence_of(house.bubbles, house.area_m2) for house in houses]
+    longest = max(len(sequence.roles) for sequence in sequences)
+    roles = np.zeros((len(sequences), longest), np.int64)
     left = np.zeros_like(roles)
     values = np.full((*roles.shape, tokens.SLOTS), tokens.NOTHING, np.int64)
-    for index, one in enumerate(found):
-        length = len(one.roles)
-        roles[index, :length], left[index, :length] = one.roles, one.left
-        values[index, :length] = one.values
+    for index, sequence in enumerate(sequences):
+        length = len(sequence.roles)
+        roles[index, :length], left[index, :length] = sequence.roles, sequence.left
+        values[index, :length] = sequence.values
     shells = np.stack([tokens.shell_patches(house.cells) for house in houses])
     return (
         torch.from_numpy(shells),
@@ -123,7 +124,7 @@ def batch_of(houses: Sequence[Sketched]) -> Batch:
     )
 
 
-def _seen_anew(house: Sketched, rng: np.random.Generator) -> Sketched:
+def _posed_at_random(house: Sketched, rng: np.random.Generator) -> Sketched:
     """The house turned, mirrored, sketched by another hand, and its shape left open by chance."""
     bubbles, cells = jittered(house.bubbles, rng), house.cells
     across, along = (float(rng.choice(_HALF_TURNS)) for _ in range(2))
@@ -131,11 +132,11 @@ def _seen_anew(house: Sketched, rng: np.random.Generator) -> Sketched:
         cells = cells[:, :, ::-1]
     if along < 0:
         cells = cells[:, ::-1]
-    moved = [(one, across * one.x_m, along * one.y_m) for one in bubbles]
+    moved = [(bubble, across * bubble.x_m, along * bubble.y_m) for bubble in bubbles]
     if rng.random() < 0.5:
         # Rows become columns; rows run against y.
         cells = cells.transpose(0, 2, 1)
-        moved = [(one, -y_m, -x_m) for one, x_m, y_m in moved]
-    turned = tuple(Bubble(one.kind, x_m, y_m, one.radius_m) for one, x_m, y_m in moved)
+        moved = [(bubble, -y_m, -x_m) for bubble, x_m, y_m in moved]
+    turned = tuple(Bubble(bubble.kind, x_m, y_m, bubble.radius_m) for bubble, x_m, y_m in moved)
     seen = rng.random() < SHELL_CHANCE
     return Sketched(turned, house.area_m2, cells if seen else np.zeros_like(cells))

@@ -67,8 +67,8 @@ def batch_loss(network: SketchNetwork, batch: Batch | tuple[Tensor, ...]) -> Ten
     """(B,) negative log likelihood of each house, in nats."""
     shell, roles, left, values = batch
     chances = network(shell, roles, left, values)
-    found = chances.gather(-1, values[..., None])[..., 0]
-    return -(found * (values != tokens.NOTHING)).sum(dim=(1, 2))
+    likely = chances.gather(-1, values[..., None])[..., 0]
+    return -(likely * (values != tokens.NOTHING)).sum(dim=(1, 2))
 
 
 @torch.inference_mode()
@@ -104,10 +104,10 @@ def _write_checkpoint(folder: Path, network: SketchNetwork, facts: dict[str, Any
     )
 
 
-# The sketching network: a small transformer that tells a house room by room ----------------------
+# The sketching network: a small transformer that writes a house room by room ---------------------
 
-# What shall be in a house is decided before it is drawn, by bubbles (bubbles.py): a network that
-# draws pixels cannot count, one that writes a list can.
+# Bubbles (bubbles.py) decide the rooms of a house before it is drawn: a network that draws pixels
+# cannot count, but a network that writes a list can.
 
 CHANNELS = 160
 LAYERS = 4
@@ -150,11 +150,11 @@ class SketchNetwork(nn.Module):
         probabilities; what cannot stand in a slot has about -1e4.
         """
         before = functional.pad(values[:, :-1], (0, 0, 1, 0))
-        told = self.embed_role(roles) + self.embed_left(left)
+        inputs = self.embed_role(roles) + self.embed_left(left)
         for slot, table in enumerate(self.embed_before):
-            told = told + table(before[..., slot])
+            inputs = inputs + table(before[..., slot])
         around = self.embed_shell(shell) + self.shell_place
-        state = torch.cat([around, told], dim=1)
+        state = torch.cat([around, inputs], dim=1)
         mask = _seen(state, around.shape[1])
         for block in self.blocks:
             state = block(state, mask)
@@ -164,12 +164,12 @@ class SketchNetwork(nn.Module):
             if slot:
                 state = state + self.embed_own[slot - 1](values[..., slot - 1])
             logits.append(self.head(functional.silu(self.hidden[slot](state))))
-        found = torch.stack(logits, dim=2)
-        return torch.where(self.allowed[roles], found, -1e4).log_softmax(dim=-1)
+        stacked = torch.stack(logits, dim=2)
+        return torch.where(self.allowed[roles], stacked, -1e4).log_softmax(dim=-1)
 
 
 def _seen(state: Tensor, around: int) -> Tensor:
-    """(L, L) what is added to attention: positions see the shell and what was told before."""
+    """(L, L) what is added to attention: positions see the shell and earlier positions."""
     place = torch.arange(state.shape[1])
     seen = (place[None] <= place[:, None]) | (place[None] < around)
     return torch.where(seen, 0.0, -1e4).to(state.dtype)

@@ -280,9 +280,9 @@ def batch_loader(stream: BatchStream, workers: int) -> DataLoader[Batch]:
     return batches_ahead(stream, workers, ahead=2 * POOL_BATCHES, pinned=torch.cuda.is_available())
 
 
-# Drafts to learn from: a layout as a list network would tell it, or part of it, or ---------------
+# Drafts to learn from: a layout as a list network would list it, or part of it, or ---------------
 
-# What lists get wrong is what the layout network shall mend: places to a hand's breadth, sizes to a
+# The layout network is to mend the errors of lists: places to a hand's breadth, sizes to a
 # tenth. Now and then a piece is missing or one too many stands about, so that the picture stays the
 # judge.
 

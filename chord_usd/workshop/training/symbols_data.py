@@ -112,16 +112,16 @@ def _crop(page: _Page, about: FloatArray, rng: np.random.Generator) -> Crop:
     """The square with a place somewhere in its middle."""
     spot = np.rint(about - rng.uniform(0.15, 0.85, 2) * CROP_PX).astype(int)
     paper = page.rgb[2, 2]
-    found = np.empty((CROP_PX, CROP_PX, 3), np.uint8)
-    found[:] = paper
+    picture = np.empty((CROP_PX, CROP_PX, 3), np.uint8)
+    picture[:] = paper
     x, y = spot.tolist()
     left, top = max(0, -x), max(0, -y)
     part = page.rgb[max(0, y) : max(0, y + CROP_PX), max(0, x) : max(0, x + CROP_PX)]
-    found[top : top + part.shape[0], left : left + part.shape[1]] = part
+    picture[top : top + part.shape[0], left : left + part.shape[1]] = part
     pieces = page.pieces.copy()
     pieces[:, 1:3] -= spot
     inside = np.all((pieces[:, 1:3] >= 0) & (pieces[:, 1:3] < CROP_PX), axis=1)
-    return Crop(found, pieces[inside])
+    return Crop(picture, pieces[inside])
 
 
 def posed(crop: Crop, rng: np.random.Generator) -> Crop:
@@ -174,8 +174,8 @@ def batch_of(crops: Sequence[Crop]) -> Batch:
     hills, shapes, said = (
         np.stack(parts) for parts in zip(*(targets_of(crop.pieces) for crop in crops), strict=True)
     )
-    found = [torch.from_numpy(np.ascontiguousarray(part)) for part in (rgb, hills, shapes, said)]
-    return found[0], found[1], found[2], found[3]
+    tensors = [torch.from_numpy(np.ascontiguousarray(part)) for part in (rgb, hills, shapes, said)]
+    return tensors[0], tensors[1], tensors[2], tensors[3]
 
 
 def held_out(count: int) -> list[Crop]:
@@ -223,12 +223,12 @@ def _picked(
 ) -> tuple[_Page, FloatArray]:
     """A page, and a place on it: of the category that was shown least, or anywhere."""
     page = pages[int(rng.integers(len(pages)))]
-    kinds = sorted({int(kind) for one in pages for kind in one.pieces[:, 0]})
+    kinds = sorted({int(kind) for page in pages for kind in page.pieces[:, 0]})
     if rng.random() < _ANYWHERE or not kinds:
         return page, rng.uniform(0, 1, 2) * page.rgb.shape[1::-1]
     weights = np.array([1.0 / (1 + shown[kind]) for kind in kinds])
     wanted = int(rng.choice(kinds, p=weights / weights.sum()))
-    having = [one for one in pages if np.any(one.pieces[:, 0] == wanted)]
+    having = [page for page in pages if np.any(page.pieces[:, 0] == wanted)]
     page = having[int(rng.integers(len(having)))]
     places = page.pieces[page.pieces[:, 0] == wanted][:, 1:3]
     return page, places[int(rng.integers(len(places)))]
@@ -244,13 +244,17 @@ def _page(rng: np.random.Generator) -> _Page:
 
 def _drawn(seed: int, rng: np.random.Generator) -> CrowdedPage:
     """A page of a seed, nearly always with furniture."""
-    own = np.random.default_rng((seed, 2))
-    kind = str(own.choice(list(_KINDS), p=list(_KINDS.values()))) if own.random() < 0.5 else None
-    look = random_look(own, kind)
-    if own.random() < _TILED:
+    page_rng = np.random.default_rng((seed, 2))
+    kind = (
+        str(page_rng.choice(list(_KINDS), p=list(_KINDS.values())))
+        if page_rng.random() < 0.5
+        else None
+    )
+    look = random_look(page_rng, kind)
+    if page_rng.random() < _TILED:
         look = replace(look, wet_tiles=1.0)
-    if own.random() < _FAINT and min(look.paper_rgb) > _WHITE:
-        red, green, blue = (int(v) for v in np.full(3, own.uniform(140, 215)))
+    if page_rng.random() < _FAINT and min(look.paper_rgb) > _WHITE:
+        red, green, blue = (int(v) for v in np.full(3, page_rng.uniform(140, 215)))
         look = replace(look, piece_rgb=(red, green, blue))
     if look.pieces == "none" and rng.random() > _BARE:
         look = replace(look, pieces="lines")

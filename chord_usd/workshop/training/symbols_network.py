@@ -95,8 +95,8 @@ def take_up(network: SymbolsNetwork, weights: Mapping[str, Tensor]) -> None:
 
     Raises KeyError or RuntimeError where they are of neither.
     """
-    own = network.state_dict()
+    state = network.state_dict()
     is_reader = "centres.1.weight" not in weights
-    for name, tensor in own.items():
+    for name, tensor in state.items():
         if not (is_reader and name.split(".")[0] in ("centres", "shapes")):
             tensor.copy_(weights[name])

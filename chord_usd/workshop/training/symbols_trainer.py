@@ -70,8 +70,8 @@ def train_symbols(
     torch.manual_seed(config.seed)
     network = SymbolsNetwork().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
-    def losses(network: SymbolsNetwork, told: Batch) -> dict[str, Tensor]:
-        rgb, hills, shapes, said = (part.to(config.device) for part in told)
+    def losses(network: SymbolsNetwork, batch: Batch) -> dict[str, Tensor]:
+        rgb, hills, shapes, said = (part.to(config.device) for part in batch)
         centres, guessed = _seen(network, rgb)
         return {
             "centres": _centre_loss(centres, hills.float() / 255),
@@ -148,7 +148,7 @@ def _find(network: SymbolsNetwork, crops: Sequence[Crop], device: str) -> _Found
     kinds = range(len(PIECE_NAMES))
     kind_of = [crop.pieces[:, 0].astype(int) for crop in crops]
     there = np.bincount(np.concatenate(kind_of), minlength=len(kinds))
-    found = _Found([[] for _ in kinds], [[] for _ in kinds], there, [])
+    finds = _Found([[] for _ in kinds], [[] for _ in kinds], there, [])
     network.eval()
     for start in range(0, len(crops), _AT_ONCE):
         part = crops[start : start + _AT_ONCE]
@@ -158,18 +158,18 @@ def _find(network: SymbolsNetwork, crops: Sequence[Crop], device: str) -> _Found
         chances = ((centres.sigmoid() + mirrored.sigmoid()) / 2).cpu()
         cells = peaks(chances, _LEAST_LOOKED_AT)
         for index, crop in enumerate(part):
-            own = cells[cells[:, 0] == index]
-            sure = chances[own[:, 0], own[:, 1], own[:, 2], own[:, 3]]
+            mine = cells[cells[:, 0] == index]
+            sure = chances[mine[:, 0], mine[:, 1], mine[:, 2], mine[:, 3]]
             order = sure.argsort(descending=True)
             _match(
-                crop, own[order].numpy(), sure[order].tolist(), shapes[index].cpu().numpy(), found
+                crop, mine[order].numpy(), sure[order].tolist(), shapes[index].cpu().numpy(), finds
             )
     network.train()
-    return found
+    return finds
 
 
 def _match(
-    crop: Crop, cells: IndexArray, sure: Sequence[float], shapes: FloatArray, found: _Found
+    crop: Crop, cells: IndexArray, sure: Sequence[float], shapes: FloatArray, finds: _Found
 ) -> None:
     """Note of each cell, the surest first, whether it is right."""
     free = np.ones(len(crop.pieces), bool)
@@ -179,25 +179,25 @@ def _match(
         off = np.hypot(*(crop.pieces[:, 1:3] - at).T)
         off[~free | (crop.pieces[:, 0] != kind)] = np.inf
         is_right = bool(len(off) and off.min() <= _NEAR_M / PIECE_M_PER_PX)
-        found.chances[kind].append(chance)
-        found.rights[kind].append(is_right)
+        finds.chances[kind].append(chance)
+        finds.rights[kind].append(is_right)
         if is_right:
             nearest = int(off.argmin())
             free[nearest] = False
             along = crop.pieces[nearest, 5:7] @ (front_x, front_y)
-            found.turns.append(bool(along > _SAME_WAY * np.hypot(front_x, front_y)))
+            finds.turns.append(bool(along > _SAME_WAY * np.hypot(front_x, front_y)))
 
 
 def score(network: SymbolsNetwork, crops: Sequence[Crop], device: str) -> dict[str, float]:
     """F1 of each category, over all crops: right within 25 cm; of those, the share whose front is
     right within 30 degrees."""
-    found = _find(network, crops, device)
+    finds = _find(network, crops, device)
     counts = np.zeros((len(PIECE_NAMES), 3))
-    for kind, really in enumerate(found.there.tolist()):
-        is_sure = np.array(found.chances[kind]) >= _SCORED_AT
-        right = np.array(found.rights[kind], bool)[is_sure]
+    for kind, really in enumerate(finds.there.tolist()):
+        is_sure = np.array(finds.chances[kind]) >= _SCORED_AT
+        right = np.array(finds.rights[kind], bool)[is_sure]
         counts[kind] = right.sum(), is_sure.sum(), really
-    scores = {"direction": round(float(np.mean(found.turns)), 3)} if found.turns else {}
+    scores = {"direction": round(float(np.mean(finds.turns)), 3)} if finds.turns else {}
     for name, (both, guessed, really) in zip(PIECE_NAMES, counts.tolist(), strict=True):
         if really:
             scores[name] = round(2 * both / (guessed + really), 3)
@@ -207,14 +207,14 @@ def score(network: SymbolsNetwork, crops: Sequence[Crop], device: str) -> dict[s
 
 def least_chances(network: SymbolsNetwork, crops: Sequence[Crop], device: str) -> dict[str, float]:
     """By category, the least chance from which on _PRECISION of what is found is right."""
-    found = _find(network, crops, device)
+    finds = _find(network, crops, device)
     least = {}
-    for name, chances, rights in zip(PIECE_NAMES, found.chances, found.rights, strict=True):
+    for name, chances, rights in zip(PIECE_NAMES, finds.chances, finds.rights, strict=True):
         order = np.argsort(chances)[::-1]
         precision = np.cumsum(np.array(rights, float)[order]) / np.arange(1, len(order) + 1)
         enough = np.flatnonzero(precision >= _PRECISION)
-        own = chances[order[enough[-1]]] if len(enough) else _LEAST_SURE[1]
-        least[name] = round(float(np.clip(own, *_LEAST_SURE)), 3)
+        chance = chances[order[enough[-1]]] if len(enough) else _LEAST_SURE[1]
+        least[name] = round(float(np.clip(chance, *_LEAST_SURE)), 3)
     return least
 
 
@@ -228,8 +228,8 @@ def write_checkpoint(
 
     least: by category, the chance from which on a piece counts."""
     finding = Finding(network.cpu()).eval().to(memory_format=torch.contiguous_format)  # type: ignore[call-overload]
-    told = {"labels": list(PIECE_NAMES), "least": dict(least or {}), "training": facts}
-    write_weights(folder, network, told)
+    description = {"labels": list(PIECE_NAMES), "least": dict(least or {}), "training": facts}
+    write_weights(folder, network, description)
     axes = {0: "batch", 2: "height", 3: "width"}
     cells = {0: "batch", 2: "rows", 3: "columns"}
     write_graph(

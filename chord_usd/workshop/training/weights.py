@@ -283,7 +283,7 @@ def _parts(tensors: Mapping[str, Tensor]) -> Iterable[tuple[str, Tensor]]:
 
 
 def _joined(parts: Mapping[str, Tensor], name: str, shape: list[int]) -> Tensor:
-    found: list[Tensor] = []
-    while f"{name}#{len(found)}" in parts:
-        found.append(parts[f"{name}#{len(found)}"])
-    return torch.cat(found).reshape(shape)
+    pieces: list[Tensor] = []
+    while f"{name}#{len(pieces)}" in parts:
+        pieces.append(parts[f"{name}#{len(pieces)}"])
+    return torch.cat(pieces).reshape(shape)

@@ -103,8 +103,8 @@ def load_matching(model: nn.Module, folder: Path) -> int:
     Raises CheckpointError when the weights cannot be read.
     """
     tensors = _read_tensors(folder, "")
-    own = model.state_dict()
-    fitting = {n: v for n, v in tensors.items() if n in own and own[n].shape == v.shape}
+    state = model.state_dict()
+    fitting = {n: v for n, v in tensors.items() if n in state and state[n].shape == v.shape}
     model.load_state_dict(fitting, strict=False)
     return len(fitting)
 

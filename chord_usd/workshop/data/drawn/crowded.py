@@ -90,12 +90,14 @@ def draw_page(
     placed, size_m = _laid_out(houses, look, rng)
     side = rng.uniform(*_PX) * (1.2 if count > 1 else 1.0)
     canvas = Canvas(size_m, side / float(size_m.max()), look.paper_rgb)
-    for one in placed:
-        _draw_around(canvas, one, look, rng)
-    drawn = [_draw_storey(canvas, one, look, rng, is_varied) for one in placed]
+    for storey in placed:
+        _draw_around(canvas, storey, look, rng)
+    drawn = [_draw_storey(canvas, storey, look, rng, is_varied) for storey in placed]
     draw_page_furniture(canvas, look, rng)
     page = worn(Picture(canvas.rgb, canvas.labels, canvas.matrix()), look, rng)
-    storeys = tuple(_as_vectors(one, *own) for one, own in zip(placed, drawn, strict=True))
+    storeys = tuple(
+        _as_vectors(storey, *drawing) for storey, drawing in zip(placed, drawn, strict=True)
+    )
     points = _points(storeys, page.matrix, page.rgb.shape)
     return CrowdedPage(
         frozen_array(page.rgb, np.uint8), frozen_array(page.labels, np.uint8), points, storeys,
@@ -126,22 +128,22 @@ def _laid_out(
     return placed, far + margins[2:]
 
 
-def _draw_around(canvas: Canvas, one: _Placed, look: Look, rng: np.random.Generator) -> None:
+def _draw_around(canvas: Canvas, storey: _Placed, look: Look, rng: np.random.Generator) -> None:
     """What lies outside, before any storey is drawn over it."""
-    canvas.origin_m = one.origin_m
-    draw_outdoors(canvas, one.house, look, rng)
+    canvas.origin_m = storey.origin_m
+    draw_outdoors(canvas, storey.house, look, rng)
     if rng.random() < look.surroundings * 0.6:
-        draw_neighbours(canvas, one.house, look, rng)
+        draw_neighbours(canvas, storey.house, look, rng)
 
 
 def _draw_storey(
-    canvas: Canvas, one: _Placed, look: Look, rng: np.random.Generator, is_varied: bool
+    canvas: Canvas, placed: _Placed, look: Look, rng: np.random.Generator, is_varied: bool
 ) -> tuple[list[Leaf], tuple[Item, ...]]:
     """What is drawn of a storey: leaves of doors, and pieces."""
-    house = one.house
-    canvas.origin_m = one.origin_m
+    house = placed.house
+    canvas.origin_m = placed.origin_m
     draw_floors(canvas, house, look, rng)
-    flights = draw_stairs(canvas, one.flights, look, rng)
+    flights = draw_stairs(canvas, placed.flights, look, rng)
     clear = tuple(
         item for item in house.items if not footprint_polygon(item.box).intersects(flights)
     )
@@ -159,9 +161,9 @@ def _draw_storey(
 # Vectors -----------------------------------------------------------------------------------------
 
 
-def _as_vectors(one: _Placed, leaves: list[Leaf], pieces: tuple[Item, ...]) -> DrawnStorey:
+def _as_vectors(placed: _Placed, leaves: list[Leaf], pieces: tuple[Item, ...]) -> DrawnStorey:
     """A storey in metres on the sheet."""
-    plan, shift = one.house.plan(), one.origin_m
+    plan, shift = placed.house.plan(), placed.origin_m
     rooms = tuple(
         replace(room, polygon_m=frozen_array(room.polygon_m + shift)) for room in plan.rooms
     )
@@ -172,7 +174,7 @@ def _as_vectors(one: _Placed, leaves: list[Leaf], pieces: tuple[Item, ...]) -> D
     )
     rings = [
         np.array(ring.coords) + shift
-        for part in polygons_of(one.house.walls)
+        for part in polygons_of(placed.house.walls)
         for ring in (shapely.geometry.polygon.orient(part).exterior, *part.interiors)
     ]
     hinges = tuple((leaf.opening_id, leaf.hinge + shift, leaf.tip + shift) for leaf in leaves)
@@ -189,16 +191,16 @@ def _points(
     storeys: tuple[DrawnStorey, ...], matrix: FloatArray, shape: tuple[int, ...]
 ) -> FloatArray:
     """(P, 3) hinges, jambs and corners within a picture."""
-    found: list[tuple[float, float, int]] = []
+    points: list[tuple[float, float, int]] = []
     for storey in storeys:
-        found += [(*hinge, HINGE) for _, hinge, _ in storey.hinges_m]
+        points += [(*hinge, HINGE) for _, hinge, _ in storey.hinges_m]
         for opening in storey.plan.openings:
-            found += [(*end, JAMB) for end in _jambs(opening.box)]
+            points += [(*end, JAMB) for end in _jambs(opening.box)]
         for room in without_seams(storey.plan).rooms:
-            found += [(*corner, CORNER) for corner in room.polygon_m]
-    if not found:
+            points += [(*corner, CORNER) for corner in room.polygon_m]
+    if not points:
         return np.zeros((0, 3))
-    array = np.array(found, np.float64)
+    array = np.array(points, np.float64)
     homogeneous = np.column_stack([array[:, :2], np.ones(len(array))]) @ matrix.T
     pixels = homogeneous[:, :2] / homogeneous[:, 2:]
     inside = np.all((pixels >= 0) & (pixels < (shape[1], shape[0])), axis=1)

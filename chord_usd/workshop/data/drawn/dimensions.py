@@ -160,22 +160,22 @@ class _Mark:
             return np.array([along, across] if axis == 0 else [across, along])
 
         height = max(_SMALLEST_PX, round(self.letters_m * canvas.px_per_m))
-        for one, other in pairwise(stops):
-            text = self._length(other - one)
-            room = (other - one) * canvas.px_per_m
+        for start, other in pairwise(stops):
+            text = self._length(other - start)
+            room = (other - start) * canvas.px_per_m
             wide = ink_of(text, height, self.font).shape[1]
-            middle = (one + other) / 2
+            middle = (start + other) / 2
             gap = (wide / 2 + 2) / canvas.px_per_m
             if self.is_in_line and room > wide + 12:
                 canvas.line(
-                    [point(one, place), point(middle - gap, place)], self.rgb, 1, laid=WRITING
+                    [point(start, place), point(middle - gap, place)], self.rgb, 1, laid=WRITING
                 )
                 canvas.line(
                     [point(middle + gap, place), point(other, place)], self.rgb, 1, laid=WRITING
                 )
                 shift: FloatArray = np.zeros(2)
             else:
-                canvas.line([point(one, place), point(other, place)], self.rgb, 1, laid=WRITING)
+                canvas.line([point(start, place), point(other, place)], self.rgb, 1, laid=WRITING)
                 shift = (np.array([[0.0, -0.75], [-0.75, 0.0]])[axis] * height).astype(np.float64)
             if room > 0.7 * wide:
                 spot = canvas.px(point(middle, place)) + shift

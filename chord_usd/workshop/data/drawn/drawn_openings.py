@@ -46,7 +46,7 @@ def draw_gap(canvas: Canvas, gap: Gap, look: Look, rng: np.random.Generator) -> 
     kind = look.doors[0] if rng.random() < 0.85 else look.doors[-1]
     if gap.length_m >= _DOUBLE_M and kind == "plain":
         kind = "sliding"
-    # A hole without any leaf cannot be told from a passage.
+    # A hole without any leaf looks like a passage.
     plain = kind == "plain" and not gap.is_outer
     canvas.fill(gap.shape, None, built=PASSAGE if plain else DOOR)
     if look.has_thresholds and kind != "filled":

@@ -117,13 +117,13 @@ def _photograph(canvas: Canvas, rng: np.random.Generator) -> ByteArray:
 
 @cache
 def _material_pictures() -> tuple[ByteArray, ...]:
-    found = []
+    pictures = []
     for path in sorted(materials_folder().glob("*/maps/*base_color.*")):
         picture = cv2.imread(str(path))
         if picture is not None:
             small = cv2.resize(picture, (200, 200), interpolation=cv2.INTER_AREA)
-            found.append(np.ascontiguousarray(small[..., ::-1]))
-    return tuple(found)
+            pictures.append(np.ascontiguousarray(small[..., ::-1]))
+    return tuple(pictures)
 
 
 # Walls -------------------------------------------------------------------------------------------

@@ -71,8 +71,8 @@ def _bowl(x: float, y: float, wide: float, deep: float, rng: np.random.Generator
     if kind == 2:
         return [soft(x - wide, y - deep, x + wide, y + deep, 0.3 * deep)]
     if kind == 3:
-        own = min(wide, deep)
-        return [oval(x, y, own, own), oval(x, y, 0.03, 0.03)]
+        size = min(wide, deep)
+        return [oval(x, y, size, size), oval(x, y, 0.03, 0.03)]
     if kind == 4:  # straight at the back
         half = oval(x, y + deep, wide, 2 * deep)
         return [half.intersection(box(x - wide, y - deep, x + wide, y + deep))]
@@ -105,8 +105,8 @@ def basin(length: float, depth: float, rng: np.random.Generator) -> Shapes:
         x = (index - (bowls - 1) / 2) * length * 0.5
         if bowls == 1 and length > 0.9 and rng.random() < 0.3:
             x = rng.choice([-1, 1]) * (half - wide - 0.1)
-        own = [*_bowl(0, -0.04 * depth, wide, deep, rng), *tap_of(0.42 * depth, rng)]
-        shapes += [affinity.translate(shape, x, 0) for shape in own]
+        bowl = [*_bowl(0, -0.04 * depth, wide, deep, rng), *tap_of(0.42 * depth, rng)]
+        shapes += [affinity.translate(shape, x, 0) for shape in bowl]
     return shapes
 
 
@@ -177,16 +177,16 @@ def shower(length: float, depth: float, rng: np.random.Generator) -> Shapes:
 
 def _fall(body: Polygon, half: float, back: float, rng: np.random.Generator) -> Shapes:
     """What says of a tray that water runs off it, or falls on it."""
-    one, other = diagonals(2 * half, 2 * back)
+    first, other = diagonals(2 * half, 2 * back)
     shapes: Shapes = []
     drain = oval(0, 0, *[rng.uniform(0.03, 0.07)] * 2)
     kind = int(rng.integers(9))
     if kind == 0:
-        shapes += [one, other, drain]
+        shapes += [first, other, drain]
     elif kind == 1:
-        shapes += [one, other]
+        shapes += [first, other]
     elif kind == 2:
-        shapes += [one]
+        shapes += [first]
     elif kind == 3:
         shapes += [drain, inset(body, rng.uniform(0.03, 0.1), rng.uniform(0, 0.1))]
     elif kind == 4:  # a head in the corner, with its spray
@@ -261,11 +261,11 @@ def _ring(x: float, y: float, radius: float, way: int) -> Shapes:
             oval(x, y, 0.6 * radius, 0.6 * radius),
         ]
     if way == 4:
-        found: Shapes = [ring]
+        shapes: Shapes = [ring]
         for angle in (0.79, 2.36, 3.93, 5.5):
             c, s = radius * math.cos(angle), radius * math.sin(angle)
-            found.append(line((x + 0.6 * c, y + 0.6 * s), (x + 1.3 * c, y + 1.3 * s)))
-        return found
+            shapes.append(line((x + 0.6 * c, y + 0.6 * s), (x + 1.3 * c, y + 1.3 * s)))
+        return shapes
     return [ring]
 
 
@@ -323,18 +323,18 @@ def sink(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     kind = int(rng.integers(7))
     left, right, low, high = edge - half, half - edge, edge - deep, deep - 2 * edge
     if half < 0.32 or kind == 0:
-        own = min(right, 0.3)
-        bowls = [soft(-own, low, own, high, radius)]
+        half_m = min(right, 0.3)
+        bowls = [soft(-half_m, low, half_m, high, radius)]
     elif kind in (1, 2):
         bowls = [soft(left, low, -edge / 2, high, radius), soft(edge / 2, low, right, high, radius)]
     elif kind == 3:
         bowls = [soft(left, low, 0.3 * half, high, radius),
                  soft(0.3 * half + edge, 0, right, high, radius)]  # fmt: skip
     elif kind == 4:
-        own = min(0.45 * half, high)
-        bowls = [oval(-0.5 * half, 0, own, own)]
+        half_m = min(0.45 * half, high)
+        bowls = [oval(-0.5 * half, 0, half_m, half_m)]
         if rng.random() < 0.5:
-            bowls.append(oval(0.5 * half, 0, own, own))
+            bowls.append(oval(0.5 * half, 0, half_m, half_m))
     else:
         bowls = [soft(left, low, 0.1 * half, high, radius)]
         count = int(rng.integers(3, 8))
@@ -347,7 +347,9 @@ def sink(length: float, depth: float, rng: np.random.Generator) -> Shapes:
         shapes += [oval(*_middle(bowl), 0.03, 0.03) for bowl in bowls]
     if rng.random() < 0.12:
         shapes += [line(*_ends(bowl)) for bowl in bowls]
-    shapes += [affinity.translate(one, side * rng.uniform(0, 0.1), 0) for one in tap_of(deep, rng)]
+    shapes += [
+        affinity.translate(shape, side * rng.uniform(0, 0.1), 0) for shape in tap_of(deep, rng)
+    ]
     return [body, *(affinity.scale(shape, side, 1.0, origin=(0, 0)) for shape in shapes)]
 
 

@@ -86,4 +86,4 @@ SYMBOLS: dict[RoomKind, tuple[Symbol, ...]] = {
     "kitchen": (_hob(), _sink()),
     "bedroom": (_bed(1.6), _bed(0.9)),
 }
-"""What tells a room's kind where no name is printed; larger ones come where there is room."""
+"""Pieces that show a room's kind where no name is printed; larger ones where there is room."""

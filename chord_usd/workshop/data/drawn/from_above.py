@@ -57,12 +57,12 @@ def _lay(canvas: Canvas, picture: ByteArray, box: Box, shift_m: FloatArray) -> N
 @lru_cache(maxsize=4096)
 def _nearest(category: str, length_m: float, width_m: float) -> tuple[Design, ...]:
     """Designs of a category whose size differs least."""
-    own = [design for design in designs() if design.category == category]
+    alike = [design for design in designs() if design.category == category]
 
     def distance(design: Design) -> float:
         return abs(design.size_m[0] - length_m) + abs(design.size_m[1] - width_m)
 
-    return tuple(sorted(own, key=distance)[:_CHOICES])
+    return tuple(sorted(alike, key=distance)[:_CHOICES])
 
 
 @lru_cache(maxsize=2048)
@@ -86,19 +86,19 @@ def _triangles(design: Design, colourway: str) -> tuple[FloatArray, ByteArray]:
     """(T, 3, 3) corners of all that looks up, and (T, 3) colours."""
     corners, colors = [], []
     for part in design.parts():
-        own = part.solid.points_m[part.solid.faces]
-        normals = np.cross(own[:, 1] - own[:, 0], own[:, 2] - own[:, 0])
+        triangles = part.solid.points_m[part.solid.faces]
+        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         level = normals[:, 2] / np.maximum(np.linalg.norm(normals, axis=1), 1e-12)
         slot = design.colourways[colourway].get(part.slot, part.slot)
         finish = design.finishes.get(slot)
         rgb = np.array(finish.rgb if finish is not None else (170, 170, 170), np.float64)
         up = level > 0.05
-        high = own[up][:, :, 2].mean(axis=1) / max(design.size_m[2], 0.1)
+        high = triangles[up][:, :, 2].mean(axis=1) / max(design.size_m[2], 0.1)
         # Light falls from the upper left.
         slope = (normals[up, 1] - normals[up, 0]) / np.maximum(
             np.linalg.norm(normals[up], axis=1), 1e-12
         )
         light = 0.62 + 0.25 * level[up] + 0.13 * np.clip(high, 0, 1) + 0.12 * slope
-        corners.append(own[up])
+        corners.append(triangles[up])
         colors.append(np.clip(rgb * light[:, None], 0, 255).astype(np.uint8))
     return np.concatenate(corners), np.concatenate(colors)

@@ -199,16 +199,16 @@ def chair(length: float, depth: float, rng: np.random.Generator) -> Shapes:
 def wardrobe(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     """Diagonals, rails with hangers, doors, boards, one cross a leaf."""
     half, back, front = length / 2, depth / 2, -depth / 2
-    one, other = diagonals(length, depth)
+    first, other = diagonals(length, depth)
     count = max(1, round(length / rng.uniform(0.45, 0.7)))
     edges = np.linspace(-half, half, count + 1)
     parts: Shapes = [line((x, front), (x, back)) for x in edges[1:-1]]
     kind = int(rng.integers(10))
     shapes: Shapes = [rectangle(length, depth)]
     if kind == 0:
-        shapes.append(one)
+        shapes.append(first)
     elif kind == 1:
-        shapes += [one, other]
+        shapes += [first, other]
     elif kind in (2, 3):
         shapes.append(line((-half, 0), (half, 0)))
         step, lean = rng.uniform(0.06, 0.18), rng.uniform(-0.08, 0.08)
@@ -232,13 +232,13 @@ def wardrobe(length: float, depth: float, rng: np.random.Generator) -> Shapes:
 def fridge(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     """A diagonal, a cross, a letter, a star, a door."""
     body = rectangle(length, depth)
-    one, other = diagonals(length, depth)
+    first, other = diagonals(length, depth)
     word = str(rng.choice(["F", "R", "K", "KS", "REF", "FR"]))
     front = line((-length / 2, -0.4 * depth), (length / 2, -0.4 * depth))
     star: Shapes = [affinity.rotate(line((-0.16, 0), (0.16, 0)), angle, origin=(0, 0))
                     for angle in (0, 60, 120)]  # fmt: skip
     choices: tuple[Shapes, ...] = (
-        [one], [one, other], word_of(word, length, depth), word_of(word, length, depth), star,
+        [first], [first, other], word_of(word, length, depth), word_of(word, length, depth), star,
         [front], [inset(body, 0.05)], [front, line((0, -depth / 2), (0, -0.4 * depth))],
     )  # fmt: skip
     return [body, *choices[int(rng.integers(len(choices)))]]
@@ -252,12 +252,12 @@ def washer(length: float, depth: float, rng: np.random.Generator) -> Shapes:
         body = soft(left, low, right, high, 0.06)
     radius = min(length, depth) * rng.uniform(0.25, 0.42)
     drum = oval(0, rng.uniform(-0.1, 0.1) * depth, radius, radius)
-    one, other = diagonals(length, depth)
+    first, other = diagonals(length, depth)
     word = str(rng.choice(["W", "WM", "LM", "M", "S"]))
     panel = line((-length / 2, 0.35 * depth), (length / 2, 0.35 * depth))
     choices: tuple[Shapes, ...] = (
         [drum], [drum], [drum, scaled(drum, 0.6)], [drum, panel], word_of(word, length, depth),
-        [drum, *word_of(word, 0.7 * length, 0.7 * depth)], [one], [one, other],
+        [drum, *word_of(word, 0.7 * length, 0.7 * depth)], [first], [first, other],
         [inset(body, 0.06, 0.05), drum],
     )  # fmt: skip
     return [body, *choices[int(rng.integers(len(choices)))]]

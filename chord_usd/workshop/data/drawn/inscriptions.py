@@ -171,8 +171,8 @@ def _chain(
     cv2.line(canvas, ends[0], ends[-1], style.line_rgb, 1, cv2.LINE_AA)
     for x, y in ends:
         cv2.line(canvas, (x - 5, y + 5), (x + 5, y - 5), style.line_rgb, 2, cv2.LINE_AA)
-    for start, stop, one, other in zip(points, points[1:], places, places[1:], strict=False):
-        length_m = abs(other - one)
+    for start, stop, here, other in zip(points, points[1:], places, places[1:], strict=False):
+        length_m = abs(other - here)
         if length_m > 1.0:
             text = f"{length_m * 1000:.0f}"
             middle = (start + stop) / 2

@@ -167,11 +167,11 @@ def _dashes(points_m: FloatArray, dash_m: float) -> list[FloatArray]:
     """Every other piece of a line."""
     steps = np.hypot(*np.diff(points_m, axis=0).T)
     along = np.concatenate([[0.0], np.cumsum(steps)])
-    found = []
+    dashes = []
     for start in np.arange(0.0, along[-1], 2 * dash_m):
         ends = np.array([start, min(start + dash_m, along[-1])])
-        found.append(np.stack([np.interp(ends, along, points_m[:, k]) for k in (0, 1)], axis=1))
-    return found or [points_m]
+        dashes.append(np.stack([np.interp(ends, along, points_m[:, k]) for k in (0, 1)], axis=1))
+    return dashes or [points_m]
 
 
 def rectangle(middle: FloatArray, along: FloatArray, length: float, depth: float) -> Polygon:

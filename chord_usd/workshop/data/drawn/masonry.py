@@ -126,15 +126,15 @@ def _rooms_as_drawn(
     rooms: tuple[Room, ...], grown: list[Polygon], masses: BaseGeometry
 ) -> tuple[tuple[RoomKind, Polygon], ...]:
     """Rooms of an open plan do not overlap: each ends where the next was grown before it."""
-    found: list[tuple[RoomKind, Polygon]] = []
+    drawn_rooms: list[tuple[RoomKind, Polygon]] = []
     taken: BaseGeometry = masses
     for room, area in zip(rooms, grown, strict=True):
         parts = polygons_of(area.difference(taken))
         taken = taken.union(area)
         if parts:
             largest = max(parts, key=lambda part: part.area)
-            found.append((room.kind, Polygon(largest.exterior)))
-    return tuple(found)
+            drawn_rooms.append((room.kind, Polygon(largest.exterior)))
+    return tuple(drawn_rooms)
 
 
 def _house(rooms: tuple[Room, ...], floors: BaseGeometry, look: Look) -> BaseGeometry:
@@ -155,7 +155,7 @@ def _house(rooms: tuple[Room, ...], floors: BaseGeometry, look: Look) -> BaseGeo
 def _masses(scene: SceneGraph, look: Look, rng: np.random.Generator) -> BaseGeometry:
     """Solid parts that reach from walls into rooms, clear of openings."""
     ways = shapely.union_all([footprint_polygon(o.box).buffer(0.35) for o in scene.openings])
-    found: list[BaseGeometry] = []
+    masses: list[BaseGeometry] = []
     for room in scene.rooms:
         if room.kind == "balcony" or rng.random() >= look.masses:
             continue
@@ -175,8 +175,8 @@ def _masses(scene: SceneGraph, look: Look, rng: np.random.Generator) -> BaseGeom
         mass = rectangle(middle, along, wide, deep + WALL_THICKNESS_M * 0.9)
         within = mass.intersection(room_polygon(room).buffer(0.1, join_style="mitre"))
         if not mass.intersects(ways) and within.area > 0.5 * mass.area:
-            found.append(within)
-    return shapely.union_all(found)
+            masses.append(within)
+    return shapely.union_all(masses)
 
 
 # Openings ----------------------------------------------------------------------------------------

@@ -177,8 +177,8 @@ def _of_kind(rng: np.random.Generator, kind: str, base: Look) -> dict[str, Any]:
         "photoreal": _photoreal, "japanese": _japanese, "chart": _chart, "sketch": _sketch,
         "blueprint": _blueprint, "pastel": _pastel,
     }  # fmt: skip
-    found: dict[str, Any] = choices[kind](rng, base)
-    return found
+    changes: dict[str, Any] = choices[kind](rng, base)
+    return changes
 
 
 def _agent(rng: np.random.Generator, base: Look) -> dict[str, Any]:

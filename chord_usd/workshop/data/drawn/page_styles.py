@@ -47,7 +47,7 @@ class Style:
     has_dimensions: bool = False
     has_furniture: bool = True
     has_symbols: bool = False
-    """Fixtures are drawn so that they tell what a room is."""
+    """Whether fixtures are drawn, which show a room's kind."""
     has_frame: bool = False
     skew_deg: float = 0.0
     noise: float = 0.0

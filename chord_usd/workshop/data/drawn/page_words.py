@@ -227,9 +227,9 @@ def _latin_faces() -> tuple[str, ...]:
     folder = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
     names = ("DejaVuSans", "DejaVuSans", "DejaVuSans-Bold", "DejaVuSansMono", "DejaVuSerif",
              "STIXGeneral", "STIXGeneralBol", "DejaVuSans-Oblique")  # fmt: skip
-    found = [str(folder / f"{name}.ttf") for name in names]
+    faces = [str(folder / f"{name}.ttf") for name in names]
     inter = _blender_fonts() / "Inter.woff2"
-    return (*found, *[str(inter)] * 3) if inter.is_file() else tuple(found)
+    return (*faces, *[str(inter)] * 3) if inter.is_file() else tuple(faces)
 
 
 def _font_for(text: str) -> str:
@@ -244,8 +244,8 @@ def _font_for(text: str) -> str:
 @cache
 def _blender_fonts() -> Path:
     """Where Blender's wheel keeps its fonts; a folder that is not there without it."""
-    found = find_spec("bpy")
-    places = list(found.submodule_search_locations or []) if found else []
+    spec = find_spec("bpy")
+    places = list(spec.submodule_search_locations or []) if spec else []
     for place in places:
         for folder in sorted(Path(place).glob("*/datafiles/fonts")):
             return folder

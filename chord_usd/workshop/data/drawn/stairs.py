@@ -217,12 +217,12 @@ def draw_stairs(
     if rng.random() < 0.1:
         fill = look.body_rgb
     manner = rng.integers(1 << 32)
-    found = []
+    areas = []
     for flight in flights:
         canvas.fill(flight.area, fill, built=STAIRS, laid=NOTHING)
         _draw_flight(canvas, flight, pen, look, np.random.default_rng(manner))
-        found.append(flight.area)
-    return shapely.union_all(found)
+        areas.append(flight.area)
+    return shapely.union_all(areas)
 
 
 def _draw_flight(

@@ -70,8 +70,8 @@ class Drawing:
     """Where the upright drawing lies."""
     style: Style
     to_picture: FloatArray
-    """(3, 3) from the upright drawing's continuous pixels to those of rgb."""
-    told: frozenset[str]
+    """(3, 3) from the upright drawing's continuous pixels to pixels of rgb."""
+    recognisable: frozenset[str]
     """Rooms of the truth whose kind is shown, by a name or by a symbol."""
 
 
@@ -85,11 +85,11 @@ def draw_in_style(plan: Plan, style: Style, rng: np.random.Generator) -> Drawing
     _fill_floors(canvas, plan, frame, style)
     if style.has_furniture:
         _draw_furniture(canvas, truth, frame, style, rng)
-    told = _draw_symbols(canvas, truth, frame, style, rng) if style.has_symbols else set()
+    recognisable = _draw_symbols(canvas, truth, frame, style, rng) if style.has_symbols else set()
     _draw_walls(canvas, truth, frame, style)
     for opening in truth.openings:
         _draw_opening(canvas, opening, frame, style)
-    told |= write_names(canvas, truth, frame, style)
+    recognisable |= write_names(canvas, truth, frame, style)
     if style.has_dimensions:
         draw_dimensions(canvas, truth, frame, style)
     if style.has_frame:
@@ -97,7 +97,7 @@ def draw_in_style(plan: Plan, style: Style, rng: np.random.Generator) -> Drawing
         far = canvas.shape[1] - inset, canvas.shape[0] - inset
         cv2.rectangle(canvas, (inset, inset), far, style.line_rgb, 2)
     rgb, to_picture = soil(canvas, style, rng)
-    return Drawing(rgb, truth, frame, style, to_picture, frozenset(told))
+    return Drawing(rgb, truth, frame, style, to_picture, frozenset(recognisable))
 
 
 def without_seams(plan: Plan) -> Plan:
@@ -107,7 +107,7 @@ def without_seams(plan: Plan) -> Plan:
     for index, floor in enumerate(floors):
         parts = [r for r in plan.rooms if floor.contains(room_polygon(r).representative_point())]
         kinds = {room.kind for room in parts}
-        kind: RoomKind = next((one for one in _LEADING if one in kinds), "unknown")
+        kind: RoomKind = next((leading for leading in _LEADING if leading in kinds), "unknown")
         outline = floor if len(parts) > 1 else room_polygon(parts[0])
         outline = orient(Polygon(outline.exterior).simplify(1e-3))
         corners = frozen_array(outline.exterior.coords[:-1])
@@ -119,7 +119,7 @@ def without_seams(plan: Plan) -> Plan:
 
 
 def _as_drawn(plan: Plan, style: Style) -> Plan:
-    """Doors within the house that are drawn as gaps are passages: nothing tells them apart."""
+    """Doors within the house that are drawn as gaps are passages: they look the same."""
     if style.door != "gap":
         return plan
     openings = (
@@ -228,7 +228,7 @@ def _draw_opening(canvas: ByteArray, opening: Opening, frame: PixelFrame, style:
             _fill(canvas, Polygon(corners), frame, style.window_rgb)
         _line(canvas, corners[[0, 1, 2, 3, 0]], frame, rgb, width)
         ends = (corners[0] + corners[1]) / 2, (corners[2] + corners[3]) / 2
-        # A window that is no more than a hollow piece of wall could not be told from one.
+        # A window that is no more than a hollow piece of wall would look like one.
         if style.window == "panes" or (style.wall == "hollow" and style.window == "double"):
             _line(canvas, np.array(ends), frame, rgb, width)
     elif opening.kind == "door" and style.door == "filled":

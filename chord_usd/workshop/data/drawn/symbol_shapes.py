@@ -75,13 +75,13 @@ def diagonals(length: float, depth: float) -> tuple[LineString, LineString]:
 def word_of(word: str, length: float, depth: float) -> Shapes:
     """Capital letters in the middle."""
     high = min(0.4 * depth, 0.8 * length / len(word))
-    found: Shapes = []
+    shapes: Shapes = []
     for index, letter in enumerate(word):
         left = (index - len(word) / 2) * 0.9 * high
         for stroke in _LETTERS[letter]:
             points = [(left + 0.9 * high * x, high * (y - 0.5)) for x, y in stroke]
-            found.append(LineString(points))
-    return found
+            shapes.append(LineString(points))
+    return shapes
 
 
 def tap_of(y: float, rng: np.random.Generator) -> Shapes:

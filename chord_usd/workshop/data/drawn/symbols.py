@@ -236,7 +236,7 @@ def _plain(length: float, depth: float, rng: np.random.Generator) -> Shapes:
 def _cupboard(length: float, depth: float, rng: np.random.Generator) -> Shapes:
     """A box with one diagonal or two, a rail with hangers, or doors."""
     body = _box(-length / 2, -depth / 2, length / 2, depth / 2)
-    one = LineString([(-length / 2, -depth / 2), (length / 2, depth / 2)])
+    diagonal = LineString([(-length / 2, -depth / 2), (length / 2, depth / 2)])
     other = LineString([(-length / 2, depth / 2), (length / 2, -depth / 2)])
     rail: Shapes = [LineString([(-length / 2, 0), (length / 2, 0)])]
     rail += [
@@ -244,7 +244,7 @@ def _cupboard(length: float, depth: float, rng: np.random.Generator) -> Shapes:
         for x in np.arange(-length / 2 + 0.1, length / 2 - 0.1, 0.15)
     ]
     front = LineString([(-length / 2, -0.4 * depth), (length / 2, -0.4 * depth)])
-    choices: tuple[Shapes, ...] = ([one], [one, other], rail, [front], [])
+    choices: tuple[Shapes, ...] = ([diagonal], [diagonal, other], rail, [front], [])
     return [body, *choices[int(rng.integers(len(choices)))]]
 
 

@@ -12,7 +12,7 @@ class DrawnStorey:
     """One storey of a page, as vectors."""
 
     plan: Plan
-    """As drawn: rooms between the faces of their walls, those of an open plan touch; openings where
+    """As drawn: rooms between the faces of their walls, rooms of an open plan touch; openings where
     and as deep as they are drawn. Metres on the sheet."""
     walls_m: tuple[FloatArray, ...]
     """(N, 2) rings of the walls' bodies, openings left out; holes run clockwise."""
@@ -29,7 +29,7 @@ class CrowdedPage:
     rgb: ByteArray
     """(H, W, 3)."""
     labels: ByteArray
-    """(H, W); page_labels.built_of and laid_of tell what they say."""
+    """(H, W); page_labels.built_of and laid_of decode them."""
     points: FloatArray
     """(P, 3) continuous pixel x, y and which of page_labels.POINT_NAMES."""
     storeys: tuple[DrawnStorey, ...]

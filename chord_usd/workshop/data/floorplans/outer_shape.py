@@ -47,13 +47,13 @@ def _free_sides(
     cell: Cell, boxes: list[Bounds], least: int, depth: int
 ) -> list[tuple[tuple[Point, Point], float]]:
     """Upright and level edges with nothing before them for depth, and their lengths."""
-    found = []
+    sides = []
     for start, end in edges(cell.corners):
         length = abs(end[0] - start[0]) + abs(end[1] - start[1])
         upright = start[0] == end[0] or start[1] == end[1]
         if upright and length >= least and is_free(_before(start, end, depth), boxes):
-            found.append(((start, end), length))
-    return found
+            sides.append(((start, end), length))
+    return sides
 
 
 def _before(start: Point, end: Point, depth: float) -> Bounds:

@@ -99,8 +99,8 @@ def find_walls(faces: list[Face]) -> Walls:
                 lines[1, x0 - HALF_WALL if side else x0 + HALF_WALL][side].append(span)
             else:
                 _add_slanted(walls.outer[room], (x0, y0), (x1, y1))
-    for (axis, line), (one, other) in lines.items():
-        _add_line(walls, axis, line, one, other)
+    for (axis, line), (spans, other) in lines.items():
+        _add_line(walls, axis, line, spans, other)
     return walls
 
 
@@ -113,14 +113,14 @@ def _add_slanted(stretches: list[Stretch], start: Point, end: Point) -> None:
         stretches.append(Stretch(at, (ux, uy), length - 2 * MARGIN))
 
 
-def _add_line(walls: Walls, axis: int, line: float, one: list[_Span], other: list[_Span]) -> None:
-    for low, high, room in one:
+def _add_line(walls: Walls, axis: int, line: float, first: list[_Span], other: list[_Span]) -> None:
+    for low, high, room in first:
         for other_low, other_high, neighbour in other:
             start, end = max(low, other_low) + MARGIN, min(high, other_high) - MARGIN
             if end > start:
                 pair = (room, neighbour) if room < neighbour else (neighbour, room)
                 walls.shared[pair].append(_upright(axis, line, start, end))
-    for spans, against, outward in ((one, other, 1), (other, one, -1)):
+    for spans, against, outward in ((first, other, 1), (other, first, -1)):
         for low, high, room in spans:
             start = low
             # A neighbour's own walls reach one thickness beyond its face.
@@ -308,13 +308,13 @@ def _halls(dice: Dice, sketch: Sketch, walls: Walls, number: dict[int, int]) -> 
 def _entries(sketch: Sketch, walls: Walls, room: int, reached: _Reached) -> list[int]:
     """Reached rooms that share enough wall with this one, the best to enter from first."""
     kinds = _ENTRY[sketch.cells[room].kind]
-    found = []
+    entries = []
     for other in reached.rooms:
         stretches = walls.shared.get((min(room, other), max(room, other)), [])
         kind = sketch.cells[other].kind
         if kind in kinds and max((s.length for s in stretches), default=0.0) >= 72:
-            found.append((kinds.index(kind), -max(s.length for s in stretches), other))
-    return [other for _, _, other in sorted(found)]
+            entries.append((kinds.index(kind), -max(s.length for s in stretches), other))
+    return [other for _, _, other in sorted(entries)]
 
 
 def _joint(dice: Dice, sketch: Sketch, walls: Walls, room: int, entry: int) -> Hole:
@@ -346,16 +346,16 @@ def _entrance(dice: Dice, sketch: Sketch, walls: Walls) -> Hole:
     """The door to the outside: into a corridor where one has an outer wall, else a hall."""
     ranks: list[tuple[RoomKind, float]] = [("corridor", 0.0), ("dining", 1.0), ("living", 2.0)]
     order = dict(ranks)
-    found = []
+    entries = []
     for index, cell in enumerate(sketch.cells):
         longest = max((s.length for s in walls.outer[index]), default=0.0)
         if longest >= 95:
-            found.append((order.get(cell.kind, 9.0) + 1.5 * dice.unit(), index))
-    halls = [entry for entry in sorted(found) if entry[0] < 9.0]
+            entries.append((order.get(cell.kind, 9.0) + 1.5 * dice.unit(), index))
+    halls = [entry for entry in sorted(entries) if entry[0] < 9.0]
     kinds = {cell.kind for cell in sketch.cells}
     if not halls and not kinds.isdisjoint(_HALLS):
         raise NoPlaceError("entrance")
-    room = (halls or sorted(found))[0][1]
+    room = (halls or sorted(entries))[0][1]
     placed = _place(dice, walls.outer[room], dice.steps(90, 105), 0.6, least=90)
     if placed is None:
         raise NoPlaceError("entrance")

@@ -129,9 +129,9 @@ _BATHROOM_M = 1.88
 
 
 def px_per_m(cells: Sequence[Polygon], marks: Sequence[Mark], doors: Sequence[Segment]) -> float:
-    """Scale of a drawing: the median of what doors, bathtub, toilet room and bathroom tell.
+    """Scale of a drawing: the median of estimates by doors, bathtub, toilet room and bathroom.
 
-    cells, marks and doors in pixels. Returns 0.0 where nothing tells the scale.
+    cells, marks and doors in pixels. Returns 0.0 where nothing shows the scale.
     """
     cues = []
     leaves = [math.dist(door[:2], door[2:]) for door in doors]

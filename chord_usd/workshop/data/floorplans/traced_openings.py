@@ -206,13 +206,13 @@ def _hole(rooms: Sequence[TracedRoom], door: LineString) -> _Hole | None:
     rights = [side for side in sides if not side.is_left]
     left = max(lefts, key=lambda s: s.overlap(length), default=None)
     right = max(rights, key=lambda s: s.overlap(length), default=None)
-    found = [side for side in (left, right) if side is not None]
-    if not found:
+    beside = [side for side in (left, right) if side is not None]
+    if not beside:
         return None
-    if len(found) == 2 and abs(found[0].offset - found[1].offset - WALL_THICKNESS_M) > 0.02:
+    if len(beside) == 2 and abs(beside[0].offset - beside[1].offset - WALL_THICKNESS_M) > 0.02:
         return None
-    low = max(side.low for side in found) + _CORNER_M
-    high = min(side.high for side in found) - _CORNER_M
+    low = max(side.low for side in beside) + _CORNER_M
+    high = min(side.high for side in beside) - _CORNER_M
     # Thick walls leave less room beside a door than the drawing's thin ones: slide it along.
     width = min(max(length, _LEAST_DOOR_M), high - low)
     if width < _LEAST_WIDTH_M:
@@ -220,9 +220,9 @@ def _hole(rooms: Sequence[TracedRoom], door: LineString) -> _Hole | None:
     middle = min(max(length / 2, low + width / 2), high - width / 2)
     direction = (end - start) / length
     normal = np.array([-direction[1], direction[0]])
-    offset = found[0].offset + WALL_THICKNESS_M / 2 * (-1.0 if found[0].is_left else 1.0)
+    offset = beside[0].offset + WALL_THICKNESS_M / 2 * (-1.0 if beside[0].is_left else 1.0)
     center = start + middle * direction + offset * normal
-    return _Hole(tuple(sorted(s.room for s in found)), center, direction, width)
+    return _Hole(tuple(sorted(s.room for s in beside)), center, direction, width)
 
 
 def _clear(rooms: Sequence[TracedRoom], hole: _Hole) -> _Hole:

@@ -147,7 +147,7 @@ def _furnish_room(floor: Floor, floors: Sequence[Floor], plan: Plan, is_laundry:
         case "kitchen":
             furnish_kitchen(floor, plan)
         case "bathroom" | "washroom" | "wc":
-            furnish_bathroom(floor, has_wc=any(one.kind == "wc" for one in floors))
+            furnish_bathroom(floor, has_wc=any(other.kind == "wc" for other in floors))
         case "balcony":
             furnish_balcony(floor, with_laundry=is_laundry)
         case "corridor":

@@ -49,7 +49,7 @@ def attach_open_sides(floors: Sequence[Floor]) -> None:
 
 
 def attach_openings(floors: Sequence[Floor], openings: Sequence[Opening]) -> None:
-    """Tell every floor about its doors and windows and keep the space in front of them free.
+    """Attach doors and windows to their floors and keep the space in front of them free.
 
     room_ids of an opening are trusted; openings without any are attached by their position.
     """
@@ -59,12 +59,12 @@ def attach_openings(floors: Sequence[Floor], openings: Sequence[Opening]) -> Non
         named = [by_id[i] for i in opening.room_ids if i in by_id] or floors
         yaw = math.radians(opening.box.yaw_deg)
         along = math.cos(yaw), math.sin(yaw)
-        found = [(floor, side) for floor in named if (side := _side_of(floor, opening, along))]
-        sides.append((opening, found))
+        walls = [(floor, side) for floor in named if (side := _side_of(floor, opening, along))]
+        sides.append((opening, walls))
     entrance = _entrance(sides)
-    for opening, found in sides:
-        for floor, (wall, s_from, s_to) in found:
-            beyond = next((other for other, _ in found if other is not floor), None)
+    for opening, walls in sides:
+        for floor, (wall, s_from, s_to) in walls:
+            beyond = next((other for other, _ in walls if other is not floor), None)
             _open(floor, opening, Door(wall, s_from, s_to, opening is entrance, beyond))
 
 
@@ -134,16 +134,16 @@ def _entrance(
 ) -> Opening | None:
     """The front door: marked as such, else the likeliest door that leads outside."""
     best, rank = None, 99.0
-    for opening, found in sides:
-        if opening.kind == "window" or len(found) != 1:
+    for opening, walls in sides:
+        if opening.kind == "window" or len(walls) != 1:
             continue
         if _marked(opening.extra):
             return opening
-        kind = found[0][0].kind
+        kind = walls[0][0].kind
         if opening.kind == "door" and kind in _ENTRANCE_KINDS:
-            own = _ENTRANCE_KINDS.index(kind) - opening.box.size_m[0] / 10
-            if own < rank:
-                best, rank = opening, own
+            preference = _ENTRANCE_KINDS.index(kind) - opening.box.size_m[0] / 10
+            if preference < rank:
+                best, rank = opening, preference
     return best
 
 

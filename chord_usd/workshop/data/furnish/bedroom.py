@@ -143,12 +143,12 @@ def _positions(spot: Spot, length: float, low: float, high: float) -> list[float
     """Middles to try: centred on the wall, centred in the span, and close to its ends."""
     half = length / 2
     first, last = spot.s_from + half, spot.s_to - half
-    found = [min(max((low + high) / 2, first), last), (first + last) / 2]
+    positions = [min(max((low + high) / 2, first), last), (first + last) / 2]
     if length < 1.4:
-        found += [first, last]
+        positions += [first, last]
     if last - first > 1.0:
-        found += [first + 0.6, last - 0.6]
-    return found
+        positions += [first + 0.6, last - 0.6]
+    return positions
 
 
 def _score(floor: Floor, wall: Wall, s: float, size: Size, left: float, right: float) -> float:

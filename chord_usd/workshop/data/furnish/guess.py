@@ -48,9 +48,9 @@ def _name_best(
     fits: Callable[[Floor], bool],
     score: Callable[[Floor], float],
 ) -> None:
-    found = [floor for floor in floors if floor.kind == "unknown" and fits(floor)]
-    if found:
-        max(found, key=score).kind = kind
+    fitting = [floor for floor in floors if floor.kind == "unknown" and fits(floor)]
+    if fitting:
+        max(fitting, key=score).kind = kind
 
 
 def _without_bathroom(floors: Sequence[Floor]) -> None:

@@ -97,13 +97,13 @@ def _place(
 ) -> bool:  # fmt: skip
     if not rest:
         return path_faults(floor) < borne
-    for found in _places(floor, rest[0], used, liking)[:BRANCHES]:
+    for place in _places(floor, rest[0], used, liking)[:BRANCHES]:
         if left[0] == 0:
             return False
         left[0] -= 1
         mark = floor.mark()
-        _put(floor, rest[0], found)
-        used.append(found.wall)
+        _put(floor, rest[0], place)
+        used.append(place.wall)
         if _place(floor, rest[1:], used, liking, left, borne):
             return True
         used.pop()
@@ -113,7 +113,7 @@ def _place(
 
 def _places(floor: Floor, fitting: Fitting, used: Sequence[Wall], liking: Liking) -> list[Place]:
     """Both ends of every free span, best first."""
-    size, found = fitting.size, []
+    size, places = fitting.size, []
     slot = max(fitting.slot_m, size[0])
     for spot in floor.spots(fitting.depth_m, size[2], fitting.reach_m, slot):
         fills = fitting.longest_m > 0.0 and spot.length - slot < NICHE_M
@@ -122,9 +122,9 @@ def _places(floor: Floor, fitting: Fitting, used: Sequence[Wall], liking: Liking
         for s in dict.fromkeys((spot.s_from + width / 2, spot.s_to - width / 2)):
             corners = (s - width / 2 < 1e-6) + (s + width / 2 > spot.wall.length - 1e-6)
             score = liking(fitting, spot.wall, s, corners, used) + floor.dice.random() * 0.5
-            found.append(Place(score, spot.wall, s, (length, size[1], size[2])))
-    found.sort(key=lambda place: place.score, reverse=True)
-    return found
+            places.append(Place(score, spot.wall, s, (length, size[1], size[2])))
+    places.sort(key=lambda place: place.score, reverse=True)
+    return places
 
 
 def _put(floor: Floor, fitting: Fitting, place: Place) -> None:

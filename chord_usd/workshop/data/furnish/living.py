@@ -143,7 +143,7 @@ def _axes(
     tv: Size,
 ) -> list[Axis]:
     """Every pair of a sofa span and a television span whose axes can meet."""
-    found = []
+    axes = []
     mirror = wall.local(facing.x, facing.y)[0]
     for tv_from, tv_to in facing.gaps(tv[1], tv[2], 0.5, tv[0]):
         tv_low, tv_high = mirror - tv_to + tv[0] / 2, mirror - tv_from - tv[0] / 2
@@ -156,8 +156,8 @@ def _axes(
             score = floor.dice.uniform(0.0, 0.8) - abs(across - 3.3) * 0.5
             score += 0.3 * min(s_to - s_from, 5.0) - 0.8 * wall.has_window - 0.3 * wall.has_door
             score -= 0.7 * facing.has_window
-            found.append(Axis(score, wall, s, facing, mirror - s, across))
-    return found
+            axes.append(Axis(score, wall, s, facing, mirror - s, across))
+    return axes
 
 
 def _liked(floor: Floor, s_from: float, s_to: float, length: float) -> float:

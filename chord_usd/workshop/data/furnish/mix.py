@@ -28,7 +28,7 @@ Statistics = Literal["homes", "paper"]
 
 @dataclass(frozen=True)
 class Mix:
-    """Shares in [0, 1]; those of counts run from none on."""
+    """Shares in [0, 1]; shares of counts begin at none."""
 
     bed_m_per_m2: float
     """How much wider the bed is in a larger room."""

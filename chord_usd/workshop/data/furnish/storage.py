@@ -83,11 +83,11 @@ def best_spot(
 ) -> Spot | None:
     """The best span for a piece of at least this size, wanted metres long if possible."""
     noise = floor.dice.uniform
-    found = [
+    spots = [
         (score(floor, spot, wanted) + noise(0.0, 0.5), i, spot)
         for i, spot in enumerate(floor.spots(least[1], least[2], reach, least[0]))
     ]
-    return max(found)[2] if found else None
+    return max(spots)[2] if spots else None
 
 
 def _cabinet_score(floor: Floor, spot: Spot, wanted: float) -> float:

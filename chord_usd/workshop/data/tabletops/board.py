@@ -19,7 +19,7 @@ CELL_M = 0.01
 """Resolution of the mask of a top."""
 
 GAP_M = 0.02
-"""Air between items, as painted ones need to be told apart."""
+"""Air between items, so that painted items stay distinct."""
 
 EDGE_M = 0.012
 """What stands on a top keeps this far from its edge."""
@@ -86,29 +86,29 @@ class Board:
 
     def put(self, category: str, size_m: Size, x: float, y: float, yaw_deg: float) -> Placed | None:
         """The item placed there, standing on what lies under it, if it fits; else None."""
-        one = _placed(category, size_m, x, y, wrap_deg(yaw_deg))
-        if not all(self.outline.holds(*corner) for corner in one.corners):
+        piece = _placed(category, size_m, x, y, wrap_deg(yaw_deg))
+        if not all(self.outline.holds(*corner) for corner in piece.corners):
             return None
-        if any(_overlap(one, _placed("", hole.size_m, *hole.center_m[:2], 0.0), GAP_M)
+        if any(_overlap(piece, _placed("", hole.size_m, *hole.center_m[:2], 0.0), GAP_M)
                for hole in self.outline.holes):  # fmt: skip
             return None
         base_m = 0.0
         for other in self.placed:
-            if not _overlap(one, other, GAP_M):
+            if not _overlap(piece, other, GAP_M):
                 continue
             if _lies_underfoot(category) or not _lies_underfoot(other.category):
                 return None
-            if _overlap(one, other, 0.0):
+            if _overlap(piece, other, 0.0):
                 base_m = max(base_m, other.box.top_m)
-        raised = Box((x, y, base_m), size_m, one.box.yaw_deg)
-        self.placed.append(Placed(category, raised, one.corners, one.reach_m))
+        raised = Box((x, y, base_m), size_m, piece.box.yaw_deg)
+        self.placed.append(Placed(category, raised, piece.corners, piece.reach_m))
         return self.placed[-1]
 
     def items(self) -> tuple[Item, ...]:
         """What stands there, as children of the supporting piece."""
         return tuple(
-            Item(f"{one.category}_{index}", one.category, one.box)
-            for index, one in enumerate(self.placed)
+            Item(f"{piece.category}_{index}", piece.category, piece.box)
+            for index, piece in enumerate(self.placed)
         )
 
 
@@ -135,9 +135,9 @@ class Place:
             return -along, across
         return (across, along) if self.side == "right" else (-across, -along)
 
-    def along(self, own: float) -> float:
+    def along(self, offset_m: float) -> float:
         """Where a place of the edge, in own x or y as Border has it, lies along this side."""
-        return own if self.side in ("front", "right") else -own
+        return offset_m if self.side in ("front", "right") else -offset_m
 
     def put(
         self,
@@ -157,9 +157,9 @@ class Place:
         for _ in range(tries):
             yaw_deg = self.yaw_deg + turn_deg * (2.0 * dice.unit() - 1.0)
             spot = self.at(_within(dice, along), _within(dice, depth))
-            found = self.board.put(category, size_m, *spot, yaw_deg)
-            if found:
-                return found
+            placed = self.board.put(category, size_m, *spot, yaw_deg)
+            if placed:
+                return placed
         return None
 
 
@@ -182,12 +182,12 @@ def _placed(category: str, size_m: Size, x: float, y: float, yaw_deg: float) -> 
     return Placed(category, Box((x, y, 0.0), size_m, yaw_deg), corners, math.hypot(u, v))
 
 
-def _overlap(one: Placed, other: Placed, gap_m: float) -> bool:
+def _overlap(first: Placed, other: Placed, gap_m: float) -> bool:
     """Whether two rectangles come nearer than gap_m, by the axes of both (separating axes)."""
-    (x0, y0, _), (x1, y1, _) = one.box.center_m, other.box.center_m
-    if math.hypot(x1 - x0, y1 - y0) >= one.reach_m + other.reach_m + gap_m:
+    (x0, y0, _), (x1, y1, _) = first.box.center_m, other.box.center_m
+    if math.hypot(x1 - x0, y1 - y0) >= first.reach_m + other.reach_m + gap_m:
         return False
-    for rectangle, points in ((one, other.corners), (other, one.corners)):
+    for rectangle, points in ((first, other.corners), (other, first.corners)):
         corner, beside, behind = (rectangle.corners[k] for k in (1, 2, 0))
         for end, length in ((beside, rectangle.box.size_m[0]), (behind, rectangle.box.size_m[1])):
             ax, ay = (end[0] - corner[0]) / length, (end[1] - corner[1]) / length
