@@ -207,8 +207,8 @@ def _in_no_room(plan: Plan, names: Sequence[Text], frame: PixelFrame) -> Iterato
     for name in names:
         place = m_from_px(name.center_px, frame)
         is_within = bool(np.all((low < place) & (place < high)))
-        is_told = any(name.text in room.name for room in plan.rooms)
-        if is_within and not is_told and not any(f.contains(Point(*place)) for f in floors):
+        names_room = any(name.text in room.name for room in plan.rooms)
+        if is_within and not names_room and not any(f.contains(Point(*place)) for f in floors):
             yield name.text
 
 

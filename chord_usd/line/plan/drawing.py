@@ -252,8 +252,8 @@ def _read_part(page: _Page) -> _Found:
     plan, parted = _plan(reading, page, frame, _Seen(seen, pieces))
     faint = pieces_within(seen_pieces, reading, page.sheet, frame, is_sure=False)
     # What is faint says of no room what it is.
-    told_apart = with_wet_kinds(replace(plan, extra={DRAWN: to_entry(pieces)}))
-    pieces = with_needed(pieces, faint, told_apart.rooms)
+    with_kinds = with_wet_kinds(replace(plan, extra={DRAWN: to_entry(pieces)}))
+    pieces = with_needed(pieces, faint, with_kinds.rooms)
     if is_all_guessed(plan):
         raise _no_room()
     sheet = page.sheet

@@ -26,7 +26,7 @@ _SAME = math.log(1.06)
 _BELIEVABLE = math.log(1.9)
 """Walls are drawn so much thicker or thinner than usual."""
 
-_ODD = math.log(1.6)
+_WORTH_WARNING = math.log(1.6)
 """Witnesses farther apart than this are worth a warning."""
 
 _APART = math.log(1.25)
@@ -40,7 +40,7 @@ _CHANCE = 2 * _SAME / 4.0
 _LEAST_NATS = 2.0
 """By so much measures that say the same must be likelier read than misread."""
 _FEW = 0.5
-_ODD_SHARE, _ODD_SPREAD = 0.15, 0.6
+_OUTLIER_SHARE, _OUTLIER_SPREAD = 0.15, 0.6
 """How often doors, rooms or walls are unusual, and how far their logarithms are off, then."""
 
 _TRUST = {
@@ -92,7 +92,7 @@ class Scale:
     def _tolerance(self, name: str) -> float:
         """How far a witness may differ. Walls are drawn thick and thin; doors know better."""
         if name != "walls":
-            return _ODD
+            return _WORTH_WARNING
         return math.inf if "doors" in self.others else _BELIEVABLE
 
     def report(self, per_picture_px: float = 1.0) -> dict[str, Any]:
@@ -274,8 +274,8 @@ def _nats_unprinted(unprinted: Sequence[tuple[float, float]], log: float) -> flo
     total = 0.0
     for value, spread in unprinted:
         off = math.log(value) - log
-        usual = (1 - _ODD_SHARE) / spread * math.exp(-0.5 * (off / spread) ** 2)
-        outlying = _ODD_SHARE / _ODD_SPREAD * math.exp(-0.5 * (off / _ODD_SPREAD) ** 2)
+        usual = (1 - _OUTLIER_SHARE) / spread * math.exp(-0.5 * (off / spread) ** 2)
+        outlying = _OUTLIER_SHARE / _OUTLIER_SPREAD * math.exp(-0.5 * (off / _OUTLIER_SPREAD) ** 2)
         total += math.log(usual + outlying + 1e-12)
     return total
 

@@ -136,12 +136,12 @@ def verdict_of(plan: Plan) -> Verdict:
     symptoms = symptoms_of(plan)
     if symptoms.total >= _WRONG:
         return "wrong"
-    is_told = any(
+    is_doubted = any(
         not line.startswith(_NOT_DOUBTFUL) and not any(part in line for part in _SURE_PARTS)
         for line in _warnings_in(plan)
     )
     is_partly = symptoms.apart > 0 or symptoms.unknown > _MOST_UNKNOWN
-    return "look" if symptoms.total >= _LOOK or is_partly or is_told else "right"
+    return "look" if symptoms.total >= _LOOK or is_partly or is_doubted else "right"
 
 
 def doubts_placed(plan: Plan) -> list[dict[str, Any]]:

@@ -235,11 +235,11 @@ def _in_wall(wall: Wall, segments: Segments, thickness_px: float) -> Iterator[Wa
         part = profile[:, first : last + 1]
         for start, stop, label in _by_kind(part, least_px):
             sign = float(part[label, start:stop].mean())
-            is_told = sign >= _LEAST_SIGN[label]
+            is_sure = sign >= _LEAST_SIGN[label]
             runs_on = may_run_on and part[FLOOR, start:stop].mean() >= _IS_FLOOR
-            if stop - start < least_px or not (is_told or runs_on):
+            if stop - start < least_px or not (is_sure or runs_on):
                 continue
-            kind = _KINDS[label] if is_told else "passage"
+            kind = _KINDS[label] if is_sure else "passage"
             opening = _opening(wall, kind, along[first] + start - 0.5, stop - start, sign)
             yield replace(opening, insets_px=_insets(profile[WALL], first, last, start, stop))
 

@@ -21,7 +21,7 @@ from chord_usd.workshop.data.splits import TEST_SEED, part_of, split_hash
 Split = Literal["test", "train", "all"]
 SPLITS: tuple[Split, ...] = get_args(Split)
 
-_MOST_TOLD = 5
+_MOST_SHOWN = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class Cases:
         """What a user should know of the files skipped: how many, and the first of them."""
         if not self.skipped:
             return []
-        shown = list(self.skipped[:_MOST_TOLD])
+        shown = list(self.skipped[:_MOST_SHOWN])
         more = len(self.skipped) - len(shown)
         rest = [f"and {more} more"] if more else []
         return [f"{counted(len(self.skipped), 'file')} skipped:", *shown, *rest]

@@ -24,7 +24,7 @@ HOMES_SHARE = 0.8
 """Houses furnished as homes; the others as sparsely as the paper's."""
 FLAT_SHARE = 0.35
 """Houses that are real flats, where there are any."""
-UNTOLD_SHARE = 0.4
+UNKNOWN_SHARE = 0.4
 """Houses whose rooms know nothing of what the others hold."""
 UNNAMED_SHARE = 0.05
 """Share of rooms without a kind, as on plans without names."""
@@ -48,7 +48,7 @@ def examples_of(
     house: SceneGraph, teacher: pieces.Teacher, rng: np.random.Generator
 ) -> list[Example]:
     """Rooms of a house: each knows of those furnished before it, in random order, or of none."""
-    is_known = rng.random() >= UNTOLD_SHARE
+    is_known = rng.random() >= UNKNOWN_SHARE
     order = rng.permutation(len(house.rooms))
     finished = (
         [house.rooms[i].id for i in order[: rng.integers(len(order) + 1)]] if is_known else None
