@@ -14,7 +14,7 @@ import anyio
 from starlette.testclient import TestClient
 
 from chord_usd.base.errors import ChordError
-from chord_usd.base.runtime.verb_calls import Answer, Told
+from chord_usd.base.runtime.verb_calls import Answer, ReportProgress
 from chord_usd.cli import build_parser
 from chord_usd.faces.commands.paths import check_paths
 from chord_usd.faces.page.application import make_application
@@ -51,7 +51,7 @@ class StandIn:
         self.lines: list[list[str]] = []
         self.seconds = seconds
 
-    async def __call__(self, words: Sequence[str], root: Path, told: Told) -> Answer:
+    async def __call__(self, words: Sequence[str], root: Path, told: ReportProgress) -> Answer:
         before = Path.cwd()
         os.chdir(root)
         try:
@@ -62,7 +62,7 @@ class StandIn:
         finally:
             os.chdir(before)
 
-    async def _done(self, options: Any, root: Path, told: Told) -> Answer:
+    async def _done(self, options: Any, root: Path, told: ReportProgress) -> Answer:
         await told(options.verb, 1, 2)
         if self.seconds:
             await anyio.sleep(self.seconds)

@@ -28,7 +28,7 @@ from PIL import Image
 from playwright.sync_api import Locator, Page, Request, expect, sync_playwright
 from pxr import Usd
 
-from chord_usd.base.runtime.verb_calls import Answer, Told
+from chord_usd.base.runtime.verb_calls import Answer, ReportProgress
 from chord_usd.base.runtime.warm_calls import WarmVerbs
 from chord_usd.base.scene.chord_json import write_plan
 from chord_usd.base.scene.types import ByteArray
@@ -54,7 +54,7 @@ SCRIPT = "<img src=x onerror=document.title='taken'>"
 class Quickly(WarmVerbs):
     """The verbs themselves; the house is the simplest that they make."""
 
-    async def __call__(self, words: Sequence[str], root: Path, told: Told) -> Answer:
+    async def __call__(self, words: Sequence[str], root: Path, told: ReportProgress) -> Answer:
         more = QUICK if words[0] == "generate" else ()
         return await super().__call__([*words, *more], root, told)
 

@@ -28,7 +28,7 @@ pytest.importorskip("mcp", reason="the extra mcp is not installed")
 from mcp import Client, StdioServerParameters, stdio_client
 
 from chord_usd.base.runtime.house_history import Deed, recorded
-from chord_usd.base.runtime.verb_calls import Answer, Told, run_verb
+from chord_usd.base.runtime.verb_calls import Answer, ReportProgress, run_verb
 from chord_usd.faces.commands.agent_tools import MOST_PICTURES, PICTURE_PX, RunVerb, make_server
 
 ROOT = Path(__file__).parents[2]
@@ -40,7 +40,7 @@ SERVER = [sys.executable, "-m", "chord_usd", "mcp", "--root"]
 Say = Callable[..., Awaitable[tuple[dict[str, Any], list[Image.Image]]]]
 
 
-async def stand_in(words: Any, root: Path, told: Told) -> Answer:
+async def stand_in(words: Any, root: Path, told: ReportProgress) -> Answer:
     """Verbs in this process; of those that take long, only the command line is understood."""
     options = build_parser(words).parse_args([*words, "--progress", "none"])
     check_paths(options.parser, options)
@@ -242,7 +242,7 @@ def test_calls_on_one_house_wait_and_on_two_do_not(root: Path) -> None:
     together: set[tuple[str, ...]] = set()
     both = asyncio.Event()
 
-    async def slow(words: Any, root: Path, told: Told) -> Answer:
+    async def slow(words: Any, root: Path, told: ReportProgress) -> Answer:
         at_work.append(words[1])
         together.add(tuple(sorted(at_work)))
         if len(set(at_work)) == 2:

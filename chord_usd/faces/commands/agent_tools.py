@@ -25,7 +25,7 @@ from pydantic import Field
 from chord_usd import __version__
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime import console
-from chord_usd.base.runtime.verb_calls import Answer, Told, run_verb
+from chord_usd.base.runtime.verb_calls import Answer, ReportProgress, run_verb
 from chord_usd.base.scene.settings import OPTIONS, Option, offered_by, words_of
 from chord_usd.base.scene.skies import TIMES
 from chord_usd.faces.commands.agent_files import AgentFiles
@@ -46,7 +46,7 @@ refurnish_room furnishes one room again; undo takes back the latest change, redo
 history lists all that was done; check says whether the certificate holds. Files are never replaced:
 give new names."""
 
-RunVerb = Callable[[Sequence[str], Path, Told], Awaitable[Answer]]
+RunVerb = Callable[[Sequence[str], Path, ReportProgress], Awaitable[Answer]]
 Content = list[TextContent | ImageContent]
 
 House = Annotated[str, Field(description="a house, such as flat/house.usda")]

@@ -17,7 +17,7 @@ from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime.archives import pack_folder
 from chord_usd.base.runtime.files import hash_file, link_or_copy
 from chord_usd.base.runtime.house_history import Deed, go_to, read_history, recorded, redo, undo
-from chord_usd.base.runtime.verb_calls import Answer, Told
+from chord_usd.base.runtime.verb_calls import Answer, ReportProgress
 from chord_usd.base.scene.settings import offered_by, words_of
 from chord_usd.faces.page.asked import PACKS, QUALITIES
 from chord_usd.faces.page.job_queue import Job
@@ -33,7 +33,7 @@ from chord_usd.faces.page.swapped_models import (
 from chord_usd.faces.page.uploads import refuse_full_disk
 
 Submit = Callable[[str, str, dict[str, Any]], object]
-RunVerb = Callable[[Sequence[str], Path, Told], Awaitable[Answer]]
+RunVerb = Callable[[Sequence[str], Path, ReportProgress], Awaitable[Answer]]
 
 VIEW = "view.glb"
 """Of a version as it was furnished."""
