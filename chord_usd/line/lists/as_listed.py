@@ -34,11 +34,11 @@ def read_as_listed(
     plan = shells(graph.rooms, graph.openings)
     made = {item.id: item for item in graph.items}
     for room_id in rooms:
-        own = list(graph.items_of(room_id))
-        free = [item for item in own if item.id not in but]
+        items = list(graph.items_of(room_id))
+        free = [item for item in items if item.id not in but]
         near = dict(_near(free, list(listed.items_of(room_id))))
-        after = tuple(near.get(item.id, item) for item in own)
-        before = View(plan[room_id], tuple(own))
+        after = tuple(near.get(item.id, item) for item in items)
+        before = View(plan[room_id], tuple(items))
         if near and quick_price(View(plan[room_id], after)) <= quick_price(before):
             made |= near
     return replace(graph, items=tuple(made[item.id] for item in graph.items))
@@ -48,8 +48,8 @@ def _near(read: Iterable[Item], listed: Sequence[Item]) -> Iterable[tuple[str, I
     """Ids of pieces that were painted near listed ones of their category, with their places."""
     left = [item for item in listed if item.category not in KITCHEN_UNITS]
     for item in read:
-        same = [one for one in left if one.category == item.category]
-        best = min(same, key=lambda one: _away_m(item, one), default=None)
+        same = [piece for piece in left if piece.category == item.category]
+        best = min(same, key=lambda piece: _away_m(item, piece), default=None)
         if best is None or _away_m(item, best) > REACH_M:
             continue
         left.remove(best)
@@ -64,6 +64,6 @@ def _near(read: Iterable[Item], listed: Sequence[Item]) -> Iterable[tuple[str, I
         yield item.id, replace(item, box=box, asset=None, facts=facts)
 
 
-def _away_m(one: Item, other: Item) -> float:
+def _away_m(item: Item, other: Item) -> float:
     """The farthest that a corner is from that of the other, along an axis."""
-    return float(np.abs(footprint(one.box) - footprint(other.box)).max())
+    return float(np.abs(footprint(item.box) - footprint(other.box)).max())

@@ -124,8 +124,8 @@ def _bedsides(view: View) -> Iterator[Change]:
         for size in (*sizes, (0.4, 0.4, 0.5)):
             pair = beside_bed(view, box, size)
             yield (*rest, *pair)
-            for one in pair:
-                yield (*rest, one)
+            for table in pair:
+                yield (*rest, table)
 
 
 def beside_bed(view: View, bed: Box, size: Size) -> list[Item]:
@@ -134,8 +134,8 @@ def beside_bed(view: View, bed: Box, size: Size) -> list[Item]:
     pair = []
     for nth, side in enumerate((-1, 1)):
         x, y = to_world(bed, (side * (bed.size_m[0] + size[0]) / 2, back))
-        own = Box((float(x), float(y), 0.0), size, bed.yaw_deg)
-        pair.append(new_piece(view, "bedside_table", own, nth))
+        place = Box((float(x), float(y), 0.0), size, bed.yaw_deg)
+        pair.append(new_piece(view, "bedside_table", place, nth))
     return pair
 
 
@@ -153,7 +153,7 @@ def _basin(view: View) -> Iterator[Change]:
     for at in view.of("washbasin")[:1]:
         box = view.items[at].box
         for length in (0.6, 0.5):
-            yield from (with_box(view, at, one) for one in grown(box, length, box.size_m[1]))
+            yield from (with_box(view, at, larger) for larger in grown(box, length, box.size_m[1]))
 
 
 def longest_sofa(view: View) -> int | None:
@@ -172,11 +172,11 @@ def _coffee_table(view: View) -> Iterator[Change]:
     size = view.items[tables[0]].box.size_m if tables else (0.9, 0.55, 0.42)
     ahead = -(box.size_m[1] / 2 + TABLE_TO_SOFA_M + size[1] / 2)
     x, y = to_world(box, (0.0, ahead))
-    own = Box((float(x), float(y), 0.0), size, box.yaw_deg)
+    place = Box((float(x), float(y), 0.0), size, box.yaw_deg)
     if tables:
-        yield with_box(view, tables[0], own)
+        yield with_box(view, tables[0], place)
     else:
-        yield (*view.items, new_piece(view, "coffee_table", own))
+        yield (*view.items, new_piece(view, "coffee_table", place))
 
 
 def _armchairs(view: View) -> Iterator[Change]:
@@ -197,14 +197,14 @@ def _armchairs(view: View) -> Iterator[Change]:
         for out in ARMCHAIRS_OUT_M:
             x, y = to_world(box, (u + side * (reach + out), -v - 0.1))
             yaw = wrap_deg(box.yaw_deg - 90.0 * side)
-            own = Box((float(x), float(y), 0.0), size, yaw)
-            seats.append((side, new_piece(view, category, own, nth)))
+            place = Box((float(x), float(y), 0.0), size, yaw)
+            seats.append((side, new_piece(view, category, place, nth)))
     for _, seat in seats:
         yield (*rest, seat)
-    for one_side, one in seats:
+    for side, seat in seats:
         for other_side, other in seats:
-            if one_side < other_side:
-                yield (*rest, one, other)
+            if side < other_side:
+                yield (*rest, seat, other)
     for at in chairs:
         yield but(view, [at])
 
@@ -231,7 +231,7 @@ def _on_axis(view: View) -> Iterator[Change]:
     if sofa is None or not view.televisions:
         return
     at_sofa = view.at[sofa]
-    screen = min(view.televisions, key=lambda one: float(np.hypot(*(one.at - at_sofa))))
+    screen = min(view.televisions, key=lambda candidate: float(np.hypot(*(candidate.at - at_sofa))))
     aside = float(view.own(sofa, screen.at)[0])
     for at in view.of("tv_cabinet"):
         if view.items[at].id == screen.id:

@@ -137,8 +137,8 @@ def _more_at(view: View, table: int, seats: int, size: Size) -> Iterator[Change]
     """Chairs at a table that the plan shows, on the sides where they find a place: at least two, at
     most as many as are wanted. Chairs that it shows stay; others that stand at no table go."""
     item = view.items[table]
-    at_others = {one for at in view.of("dining_table", "table") if at != table
-                 for one in chairs_of(view, at)}  # fmt: skip
+    at_others = {chair for at in view.of("dining_table", "table") if at != table
+                 for chair in chairs_of(view, at)}  # fmt: skip
     going = [at for at in view.of("chair") if at not in at_others]
     rest = but(view, loose(view, going))
     there = len(going) - len(loose(view, going))
@@ -146,7 +146,9 @@ def _more_at(view: View, table: int, seats: int, size: Size) -> Iterator[Change]
     for front in (3, 2, 1, 0):
         for counts in _layouts(front) if front * _CLOSE_M <= item.box.size_m[0] else ():
             new = round_table(item.box, counts, size, view.shell.room.id)
-            free = [one[-1] for one in free_of_clashes(view, [(*rest, chair) for chair in new])]
+            free = [
+                change[-1] for change in free_of_clashes(view, [(*rest, chair) for chair in new])
+            ]
             if there + len(free) >= 2:
                 yield (*rest, *free[:wanted])
 
@@ -166,7 +168,7 @@ def composed_around(view: View, propose: Propose, compose: Compose) -> Iterator[
 
 def _share_kept(kitchen: View) -> float:
     """Of the rules of the kitchen alone, by weight."""
-    return next(one.share for one in judged_room(kitchen) if one.kind == "kitchen")
+    return next(judged.share for judged in judged_room(kitchen) if judged.kind == "kitchen")
 
 
 def _pulled_out(chair: Item) -> Item:

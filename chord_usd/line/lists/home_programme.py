@@ -56,9 +56,9 @@ def suits_dining(shell: Shell) -> tuple[int, float]:
 def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programme:
     """What each room of a home holds at least."""
     areas = {room.id: float(room_polygon(room).area) for room in rooms}
-    found: dict[str, list[str]] = {room.id: [] for room in rooms}
+    pieces: dict[str, list[str]] = {room.id: [] for room in rooms}
     largest: dict[RoomKind, Room] = {}
-    for room in sorted(rooms, key=lambda one: -areas[one.id]):
+    for room in sorted(rooms, key=lambda candidate: -areas[candidate.id]):
         largest.setdefault(room.kind, room)
     sleepers = 0
     in_studio = is_studio([room.kind for room in rooms])
@@ -66,31 +66,31 @@ def programme_of(rooms: Sequence[Room], openings: Sequence[Opening]) -> Programm
         if room.kind == "bedroom":
             double = areas[room.id] >= DOUBLE_M2
             sleepers += 2 if double else 1
-            found[room.id] += ["bed", "cabinet", *["bedside_table"] * (2 if double else 1)]
+            pieces[room.id] += ["bed", "cabinet", *["bedside_table"] * (2 if double else 1)]
         if room.kind == "store":
-            found[room.id].append("cabinet")
+            pieces[room.id].append("cabinet")
         if room.kind == "wc":
-            found[room.id] += ["toilet", *["washbasin"] * (areas[room.id] >= HAND_BASIN_M2)]
+            pieces[room.id] += ["toilet", *["washbasin"] * (areas[room.id] >= HAND_BASIN_M2)]
         if room.kind == "washroom":
-            found[room.id].append("washbasin")
+            pieces[room.id].append("washbasin")
         if room.kind == "kitchen":
-            found[room.id] += ["sink_cabinet", "cooker_cabinet", "refrigerator"]
+            pieces[room.id] += ["sink_cabinet", "cooker_cabinet", "refrigerator"]
     if "living" in largest:
         # Networks have seen no such room: of long programmes they make rows of small pieces.
         rest = ["bed"] if in_studio else ["tv_cabinet", "single_sofa"]
-        found[largest["living"].id] += ["sofa", "coffee_table", *rest]
+        pieces[largest["living"].id] += ["sofa", "coffee_table", *rest]
     eaten = min(shells(tuple(rooms), tuple(openings)).values(), key=suits_dining, default=None)
     if eaten is not None and suits_dining(eaten)[0] < _SMALL:
         diners = min(max(2, sleepers), MOST_DINERS)
-        found[eaten.room.id] += ["dining_table", *["chair"] * diners]
+        pieces[eaten.room.id] += ["dining_table", *["chair"] * diners]
     washed = next((largest[kind] for kind in WASHED_IN if kind in largest
                    and (kind != "bathroom" or areas[largest[kind].id] >= LAUNDRY_M2)
                    and stands_in("washing_machine", kind)), None)  # fmt: skip
     if washed is not None:
-        found[washed.id].append("washing_machine")
+        pieces[washed.id].append("washing_machine")
     front = entrance(SceneGraph(tuple(rooms), tuple(openings), ()))
     if front is not None:
         hall = next(room for room in rooms_beside([front], rooms)[0] if room is not None)
         if stands_in("shoe_cabinet", hall.kind):
-            found[hall.id].append("shoe_cabinet")
-    return {room_id: tuple(own) for room_id, own in found.items() if own}
+            pieces[hall.id].append("shoe_cabinet")
+    return {room_id: tuple(wanted) for room_id, wanted in pieces.items() if wanted}

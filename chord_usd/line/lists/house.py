@@ -89,9 +89,9 @@ def furnish_by_lists(
         jobs, drawn_as, drawer, drafts, rng, clear, programme_of(plan.rooms, plan.openings)
     )
     ranking = Ranking(house, [room for room, _ in jobs], wishes)
-    ranking.weigh(table.told(table.whole()))
+    ranking.weigh(table.as_pieces(table.whole()))
     short = [at for at in range(len(jobs)) if drafts.count > 1 and ranking.lacks(at)]
-    ranking.weigh(table.told(table.of_their_kind(short)))
+    ranking.weigh(table.as_pieces(table.of_their_kind(short)))
     return replace(house, items=(*there, *ranking.chosen()))
 
 
@@ -142,16 +142,16 @@ class _Table:
         ruled = room.kind in ROOM_RULES or room.kind in ESSENTIALS
         return max(1, wished * (self.drafts.count if ruled else min(UNRULED, self.drafts.count)))
 
-    def _lengthened(self, found: dict[int, list[Drawn]]) -> dict[int, list[Drawn]]:
+    def _lengthened(self, lists: dict[int, list[Drawn]]) -> dict[int, list[Drawn]]:
         """The lists, and others around pieces that were made as long as they are wanted."""
         again = [
             (at, _lengthened(self._subject(at), self.jobs[at][1], self.wishes[at], drawn, nth))
-            for at, own in found.items() if self.wishes[at].has_lengths
-            for nth, drawn in enumerate(own)
+            for at, drafts in lists.items() if self.wishes[at].has_lengths
+            for nth, drawn in enumerate(drafts)
         ]  # fmt: skip
-        for at, own in self._drawn(again, NEW_PLACES).items():
-            found[at] = found[at] + own
-        return found
+        for at, drafts in self._drawn(again, NEW_PLACES).items():
+            lists[at] = lists[at] + drafts
+        return lists
 
     def _as_its_kind(self, at: int) -> Subject:
         room, around = self.jobs[at]
@@ -164,12 +164,14 @@ class _Table:
             if essential.name in names and known:
                 wanted.append(Piece(known[int(self.rng.integers(len(known)))]))
         # Nothing else: what the network would add is of the other kind.
-        own = replace(asked, wanted=(*asked.wanted, *wanted), excluded=frozenset(PIECES.categories))
-        return _subject(room, around, own)
+        wish = replace(
+            asked, wanted=(*asked.wanted, *wanted), excluded=frozenset(PIECES.categories)
+        )
+        return _subject(room, around, wish)
 
-    def told(self, drawn: Mapping[int, Sequence[Drawn]]) -> dict[int, list[list[Item]]]:
+    def as_pieces(self, drawn: Mapping[int, Sequence[Drawn]]) -> dict[int, list[list[Item]]]:
         """As pieces in the plan."""
-        return {at: [self._items(at, one) for one in own] for at, own in drawn.items()}
+        return {at: [self._items(at, pieces) for pieces in lists] for at, lists in drawn.items()}
 
     def _items(self, at: int, drawn: Drawn) -> list[Item]:
         room, around = self.jobs[at]
@@ -181,11 +183,11 @@ class _Table:
     def _drawn(
         self, order: Sequence[tuple[int, Subject]], heat: Heat = HEAT
     ) -> dict[int, list[Drawn]]:
-        found: dict[int, list[Drawn]] = {}
+        by_room: dict[int, list[Drawn]] = {}
         drawn = self.drawer.draw([subject for _, subject in order], self.rng, heat)
-        for (at, _), one in zip(order, drawn, strict=True):
-            found.setdefault(at, []).append(one)
-        return found
+        for (at, _), pieces in zip(order, drawn, strict=True):
+            by_room.setdefault(at, []).append(pieces)
+        return by_room
 
 
 def _subject(room: Room, around: Around, asked: Asked) -> Subject:
@@ -193,7 +195,9 @@ def _subject(room: Room, around: Around, asked: Asked) -> Subject:
         segments_of(around),
         around.facts,
         around.flags,
-        wanted=tuple(PIECES.categories.index(one.category) for one in asked.missing(asked.kept)),
+        wanted=tuple(
+            PIECES.categories.index(piece.category) for piece in asked.missing(asked.kept)
+        ),
         excluded=without({*asked.excluded, *_foreign(room, around)}, PIECES),
         kept=tuple(pieces_of(asked.kept, around.frame)),
     )
@@ -219,9 +223,9 @@ def _lengthened(subject: Subject, around: Around, asked: Asked, drawn: Drawn, at
     given, wanted = list(subject.kept), list(subject.wanted)
     for piece in asked.missing(asked.kept):
         index = PIECES.categories.index(piece.category)
-        own = [one for one in drawn.elements if one.category == index]
-        nth = sum(one.category == index for one in given)
-        if piece.length_m != ANY_M and nth < len(own):
-            given.append(of_length(own[nth], around, piece.length_m, (0.5, 0.0, 1.0)[at % 3]))
+        same = [element for element in drawn.elements if element.category == index]
+        nth = sum(item.category == index for item in given)
+        if piece.length_m != ANY_M and nth < len(same):
+            given.append(of_length(same[nth], around, piece.length_m, (0.5, 0.0, 1.0)[at % 3]))
             wanted.remove(index)
     return replace(subject, kept=tuple(given), wanted=tuple(wanted))

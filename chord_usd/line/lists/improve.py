@@ -48,7 +48,7 @@ def improved(
                 cost = quick_price(tried, faults) + others
                 if cost <= price - gain:
                     better.append((round(cost, 9), nth, faults, tried))
-        for cost, _, faults, tried in sorted(better, key=lambda one: one[:2])[:_LOOKED_AT]:
+        for cost, _, faults, tried in sorted(better, key=lambda entry: entry[:2])[:_LOOKED_AT]:
             if permits(tried):
                 view, price, most = tried, cost, faults
                 break
@@ -82,8 +82,8 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
     beside = stays[change_of]
     shut = stand_before(fresh, view) | stand_before(view, fresh).T
     deep = (fresh.rects.depths(view.rects) > APART_M) & beside
-    for one, at in np.argwhere(deep):
-        deep[one, at] = not overlaps_by_nature(new[one], view.items[at])
+    for new_at, at in np.argwhere(deep):
+        deep[new_at, at] = not overlaps_by_nature(new[new_at], view.items[at])
     blocks = fresh.rects.depths(view.shell.clear) > TOUCH_M
     blocks &= fresh.height[:, None] > view.shell.clear_from_m + TOUCH_M
     number = np.array(change_of)
@@ -91,8 +91,8 @@ def free_of_clashes(view: View, changes: Sequence[Change]) -> list[Change]:
     for step in range(1, int(np.bincount(number).max())):
         first = np.flatnonzero(number[:-step] == number[step:])
         into = fresh.rects.of(first).depths_each(fresh.rects.of(first + step)) > APART_M
-        for one in first[into].tolist():
-            together[one] |= not overlaps_by_nature(new[one], new[one + step])
+        for new_at in first[into].tolist():
+            together[new_at] |= not overlaps_by_nature(new[new_at], new[new_at + step])
         for a, b in ((first, first + step), (first + step, first)):
             meets = fresh.rects.of(a).depths_each(fresh.leaf_floors().of(b)) > TOUCH_M
             together[first] |= meets & fresh.stands[a] & opens(fresh)[b]

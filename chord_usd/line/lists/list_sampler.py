@@ -150,10 +150,10 @@ class _Lines:
         values[:, : self.at] = self.values[rows]
         for row, line in enumerate(rows):
             count = len(self.categories[line])
-            told = slice(count + 1, length)
+            given = slice(count + 1, length)
             if self.is_closed[line]:
-                roles[row, told] = self.roles[line][: length - count - 1]
-                left[row, told] = self.left[line][: length - count - 1]
+                roles[row, given] = self.roles[line][: length - count - 1]
+                left[row, given] = self.left[line][: length - count - 1]
                 values[row, -1] = self._given(line, self.at - count - 1)
         arrays = (self.segments[rows], self.facts[rows], self.flags[rows], roles, left, values)
         return dict(zip(GRAPH_INPUTS, arrays, strict=False))
@@ -162,7 +162,7 @@ class _Lines:
         """(slots,) the values of an element that is kept; NOTHING of one to draw."""
         category = self.categories[line][index]
         nth = self.categories[line][:index].count(category)
-        kept = [one for one in self.subjects[line].kept if one.category == category]
+        kept = [piece for piece in self.subjects[line].kept if piece.category == category]
         if nth >= len(kept):
             return np.full(len(self.vocabulary.slots), NOTHING, np.int64)
         starts = [self.vocabulary.first[name] for name in self.vocabulary.slots]
@@ -179,17 +179,17 @@ class _Lines:
 
     def _possible(self, line: int) -> np.ndarray:
         """(size,) which categories may come next: in order, and none that is wanted passed over."""
-        subject, told = self.subjects[line], self.categories[line]
+        subject, drawn = self.subjects[line], self.categories[line]
         possible = np.zeros(self.vocabulary.size, np.bool_)
-        needed = [*subject.wanted, *(one.category for one in subject.kept)]
-        waiting = [c for c in set(needed) if needed.count(c) > told.count(c)]
+        needed = [*subject.wanted, *(piece.category for piece in subject.kept)]
+        waiting = [c for c in set(needed) if needed.count(c) > drawn.count(c)]
         ranks = self.vocabulary.ranks
-        first = ranks[told[-1]] if told else 0
+        first = ranks[drawn[-1]] if drawn else 0
         last = min(ranks[waiting]) if waiting else len(ranks)
-        room_left = self.vocabulary.most - len(told)
+        room_left = self.vocabulary.most - len(drawn)
         if not waiting or room_left <= 0:
             possible[END] = True
-        missing = sum(max(0, needed.count(c) - told.count(c)) for c in set(needed))
+        missing = sum(max(0, needed.count(c) - drawn.count(c)) for c in set(needed))
         for category in np.flatnonzero((ranks >= first) & (ranks <= last)):
             is_needed = category in waiting
             if room_left > 0 and (is_needed or (category not in subject.excluded
@@ -207,31 +207,31 @@ class _Lines:
                 column[line, 0] = values[row]
                 self.likelihood[line] += float(chances[row].sum())
                 continue
-            told = int(values[row, 0])
-            column[line, 0, 0] = told
+            count = int(values[row, 0])
+            column[line, 0, 0] = count
             self.likelihood[line] += float(chances[row, 0])
-            if told == END:
+            if count == END:
                 self.is_closed[line] = True
                 self.roles[line], self.left[line] = roles_of(self.categories[line])
             else:
-                self.categories[line].append(told - END - 1)
+                self.categories[line].append(count - END - 1)
         self.values = np.concatenate([self.values, column], axis=1)
         self.at += 1
-        lengths = np.array([2 * len(one) + 1 for one in self.categories])
+        lengths = np.array([2 * len(listed) + 1 for listed in self.categories])
         self.open = np.flatnonzero(~self.is_closed | (lengths > self.at))
 
     def drawn(self) -> list[Drawn]:
         starts = np.array([self.vocabulary.first[name] for name in self.vocabulary.slots])
-        found = []
+        lists = []
         for line, categories in enumerate(self.categories):
             first = len(categories) + 1
             values = self.values[line, first : first + len(categories)] - starts
             elements = tuple(
-                Element(category, tuple(map(int, own)))
-                for category, own in zip(categories, values, strict=True)
+                Element(category, tuple(map(int, numbers)))
+                for category, numbers in zip(categories, values, strict=True)
             )
-            found.append(Drawn(elements, float(self.likelihood[line])))
-        return found
+            lists.append(Drawn(elements, float(self.likelihood[line])))
+        return lists
 
 
 def load_lists(folder: Path, vocabulary: Vocabulary) -> ListDrawer:

@@ -78,7 +78,7 @@ _VIEWED_FROM_M = (2.2, 3.0)
 
 def changes_of(view: View) -> list[Propose]:
     """What may be changed in a room, in order; nothing in one that keeps every rule."""
-    if not any(one.findings for one in judged_room(view)) and not _clashing(view):
+    if not any(judged.findings for judged in judged_room(view)) and not _clashing(view):
         return []
     seats = partial(more_chairs, seats=max(2, seats_at(view)))
     wet: list[Propose] = [composed] if view.shell.kind in WET_KINDS else []
@@ -115,7 +115,7 @@ def regrouped(view: View) -> Iterator[Change]:
 
 def moved(view: View) -> Iterator[Change]:
     """The room with one of the pieces that break rules elsewhere."""
-    findings = [finding for one in judged_room(view) for finding in one.findings]
+    findings = [finding for judged in judged_room(view) for finding in judged.findings]
     named = {name for finding in findings for name in finding.items} | _clashing(view)
     if any(finding.rule in WARDROBE_RULES for finding in findings):
         named |= {item.id for item in view.items if item.category == "bed"}
@@ -125,7 +125,7 @@ def moved(view: View) -> Iterator[Change]:
         if item.category == "bed" and item.id in named:
             yield from _bed(view, at)
         elif item.category == "dining_table" and (
-            item.id in named or named & {view.items[one].id for one in chairs_of(view, at)}
+            item.id in named or named & {view.items[chair].id for chair in chairs_of(view, at)}
         ):
             seats = max(2, len(chairs_of(view, at)))
             yield from beside_ways(view, laid_table(view, seats, at))
@@ -139,7 +139,7 @@ def moved(view: View) -> Iterator[Change]:
 
 def _lost(view: View) -> float:
     """Weight of the rules that a room breaks."""
-    return sum(one.weight - one.won for one in judged_room(view))
+    return sum(judged.weight - judged.won for judged in judged_room(view))
 
 
 def _clashing(view: View) -> set[str]:
@@ -160,7 +160,7 @@ def _bed(view: View, at: int) -> Iterator[Change]:
     """The bed at each wall, with its tables at one or both sides; where wardrobes break rules, also
     with a wardrobe for all at each wall."""
     tables = bedside(view, at)
-    sizes = [view.items[one].box.size_m for one in tables] or [(0.4, 0.4, 0.5)]
+    sizes = [view.items[table].box.size_m for table in tables] or [(0.4, 0.4, 0.5)]
     stored = wardrobes(view)
     length = min(max(1.0 * sleepers_of(view), 0.8), 2.6)
     moves = [at, *tables, *view.of("bed_background")]
@@ -171,10 +171,10 @@ def _bed(view: View, at: int) -> Iterator[Change]:
     for bed in _standing(view, bare, (moved_to(view.items[at], box) for box in places)):
         box = bed.box
         pair = beside_bed(view, box, sizes[0])
-        for own in (pair, pair[:1], pair[1:]):
-            yield (*rest, bed, *own)
-        for one in shelves:
-            yield (*bare, bed, *pair, one)
+        for chosen in (pair, pair[:1], pair[1:]):
+            yield (*rest, bed, *chosen)
+        for shelf in shelves:
+            yield (*bare, bed, *pair, shelf)
 
 
 def bed_instead(view: View) -> Iterator[Change]:
@@ -262,16 +262,16 @@ def slept_in(view: View) -> Iterator[Change]:
     """A living room where one sleeps, with sofa, bed, wardrobe and dining table placed in this
     order; without what it can do without."""
     beds = view.of("bed")[:1]
-    if not beds or not any(one.findings for one in judged_room(view)):
+    if not beds or not any(judged.findings for judged in judged_room(view)):
         return
     tables, spare = view.of("dining_table"), view.of(*_SPARE)
     moves = {*view.of("bed_background", "bedside_table", "cabinet"), *beds, *tables, *spare}
     seats = max(2, seats_at(view))
     for items in _best(view, free_of_clashes(view, list(_grouped(view, [*moves])))):
         room = View(view.shell, (*items, view.items[beds[0]]), view.hung)
-        for own in _best(room, free_of_clashes(room, list(_bed(room, len(items)))), _BEDS):
-            laid = list(laid_table(View(view.shell, own, view.hung), seats)) if tables else []
-            yield from _best(view, laid[:: 1 + len(laid) // _TABLES] or [own], 1)
+        for change in _best(room, free_of_clashes(room, list(_bed(room, len(items)))), _BEDS):
+            laid = list(laid_table(View(view.shell, change, view.hung), seats)) if tables else []
+            yield from _best(view, laid[:: 1 + len(laid) // _TABLES] or [change], 1)
 
 
 def _best(view: View, groups: Sequence[Change], most: int = _ZONED) -> list[Change]:
@@ -315,7 +315,9 @@ def _grouped(view: View, moves: Sequence[int], is_small: bool = False) -> Iterat
         none: list[list[Item]] = [[]] if is_given or is_small else []
         some = [[]] if has_seats else [pair, pair[:1], pair[1:], *none]
         stands = dict.fromkeys((stand, _SMALL_TV_M) if is_small else (stand,))
-        walls = [] if has_screen else [one for size in stands for one in _opposite(view, box, size)]
+        walls = (
+            [] if has_screen else [place for size in stands for place in _opposite(view, box, size)]
+        )
         for seats, cabinet in product(some, (*walls, None)):
             shown = [new_piece(view, "tv_cabinet", cabinet)] if cabinet else []
             yield (*rest, *before, *seats, *shown)

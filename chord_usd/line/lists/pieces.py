@@ -160,20 +160,20 @@ def frame_of(room: Room) -> Frame:
 
 
 def rooms_around(
-    graph: SceneGraph, teacher: Teacher, told: Iterable[str] | None = None
+    graph: SceneGraph, teacher: Teacher, listed: Iterable[str] | None = None
 ) -> list[Around]:
     """Every room of the house as the network sees it.
 
     told: ids of rooms whose pieces the others may know of; None where nothing is known of any.
     """
-    known = None if told is None else frozenset(told)
+    known = None if listed is None else frozenset(listed)
     walls = [(room, _sides(room.polygon_m)) for room in graph.rooms]
     near = _near(graph.rooms)
     classes = [learned_kind(room.kind) for room in graph.rooms]
     counts = np.array([classes.count(kind) for kind in LEARNED_KINDS])
     held = {room.id: _held(graph.items_of(room.id)) for room in graph.rooms}
     clear = list(clearances(graph.rooms, graph.openings))
-    found = []
+    arounds = []
     for room, sides in walls:
         frame = frame_of(room)
         lines, kinds = [*sides], [1] * len(sides)
@@ -200,8 +200,8 @@ def rooms_around(
             [_KINDS[learned_kind(room.kind)], TEACHERS.index(teacher), _area(room)], np.int64
         )
         kinds_told = np.array(kinds[:MOST_SEGMENTS], np.int64)
-        found.append(Around(frame, points.reshape(-1, 4), kinds_told, facts, flags))
-    return found
+        arounds.append(Around(frame, points.reshape(-1, 4), kinds_told, facts, flags))
+    return arounds
 
 
 def _area(room: Room) -> int:
@@ -255,7 +255,7 @@ def _near(rooms: Sequence[Room]) -> dict[str, list[int]]:
 
 def _shared(sides: Sequence[FloatArray], others: Sequence[FloatArray]) -> list[FloatArray]:
     """Stretches of our sides along which another room touches."""
-    found = []
+    elements = []
     theirs = np.array(others)
     for side in sides:
         along = side[1] - side[0]
@@ -268,11 +268,11 @@ def _shared(sides: Sequence[FloatArray], others: Sequence[FloatArray]) -> list[F
         t = ahead @ np.array([-along[1], along[0]])
         low, high = np.maximum(s.min(axis=1), 0.0), np.minimum(s.max(axis=1), length)
         touches = (np.abs(t).max(axis=1) < TOUCHING_M) & (high - low > 0.3)
-        found += [
+        elements += [
             np.array([side[0] + along * a, side[0] + along * b])
             for a, b in zip(low[touches], high[touches], strict=True)
         ]
-    return found
+    return elements
 
 
 def _kind_of(opening: Opening) -> str:
@@ -314,9 +314,9 @@ def _clear_floors(
     shapely.prepare(floor)
     for opening, shape in clear:
         if floor.intersects(shape):
-            own = shape.intersection(floor)
-            if own.area > MIN_OVERLAP_M2:
-                corners = frame.points(shapely.get_coordinates(own))
+            shared = shape.intersection(floor)
+            if shared.area > MIN_OVERLAP_M2:
+                corners = frame.points(shapely.get_coordinates(shared))
                 yield opening, np.stack([corners.min(axis=0), corners.max(axis=0)])
 
 
@@ -350,20 +350,20 @@ def pieces_of(
 
     quarter_turns, mirrored: the room is mirrored in x, then turned so often.
     """
-    found = [
+    elements = [
         _element(item, frame, quarter_turns, mirrored) for item in items if item.category in _INDEX
     ]
-    found.sort(key=lambda one: (one.category, one.values[1], one.values[2]))
-    along = iter(_along_walls([one for one in found if one.category in _IN_RUN]))
-    return [next(along) if one.category in _IN_RUN else one for one in found]
+    elements.sort(key=lambda element: (element.category, element.values[1], element.values[2]))
+    along = iter(_along_walls([element for element in elements if element.category in _IN_RUN]))
+    return [next(along) if element.category in _IN_RUN else element for element in elements]
 
 
 def _along_walls(units: Sequence[Element]) -> list[Element]:
     """Counterclockwise about the room's middle, from the widest gap on."""
-    ends = np.array([one.values[1:] for one in units]).reshape(-1, 2, 2)
-    turns = [rotation_2d(_slant_deg(one.values[0])) for one in units]
+    ends = np.array([unit.values[1:] for unit in units]).reshape(-1, 2, 2)
+    turns = [rotation_2d(_slant_deg(unit.values[0])) for unit in units]
     x, y = np.array([
-        turn @ place_m(own).mean(axis=0) for turn, own in zip(turns, ends, strict=True)
+        turn @ place_m(bounds).mean(axis=0) for turn, bounds in zip(turns, ends, strict=True)
     ]).reshape(-1, 2).T  # fmt: skip
     angle = np.arctan2(y, x)
     order = np.argsort(angle, kind="stable")
@@ -378,10 +378,10 @@ def _element(item: Item, frame: Frame, quarter_turns: int, mirrored: bool) -> El
         corners, yaw_deg = corners * (-1.0, 1.0), -yaw_deg
     corners = corners @ rotation_2d(90.0 * quarter_turns).T
     yaw = round((yaw_deg + 90.0 * quarter_turns) / YAW_STEP_DEG) % YAWS
-    own = corners @ rotation_2d(_slant_deg(yaw))
-    low, high = place(own.min(axis=0)), place(own.max(axis=0))
+    turned = corners @ rotation_2d(_slant_deg(yaw))
+    low, high = place(turned.min(axis=0)), place(turned.max(axis=0))
     flat = low == high  # a panel as thin as the grid
-    is_above = ((own.mean(axis=0) > place_m(low)) & (low < PLACES - 1)) | (low == 0)
+    is_above = ((turned.mean(axis=0) > place_m(low)) & (low < PLACES - 1)) | (low == 0)
     low, high = low - (flat & ~is_above), high + (flat & is_above)
     return Element(_INDEX[item.category], (yaw, int(low[0]), int(low[1]), int(high[0]),
                                            int(high[1])))  # fmt: skip
@@ -464,24 +464,24 @@ def _on_lines(bounds: Ints, around: Around) -> FloatArray:
     """(2, 2) metres of low and high; on walls where their number is that of one, else at the edge
     of clear floors.
     """
-    found = np.array(place_m(bounds), np.float64)
+    corners = np.array(place_m(bounds), np.float64)
     for axis, (flat, numbers) in enumerate(_lines(around)):
         for row in (0, 1):
             same = flat[numbers == bounds[row, axis]]
             if len(same):
-                found[row, axis] = same[np.argmin(np.abs(same - found[row, axis]))]
-    return found
+                corners[row, axis] = same[np.argmin(np.abs(same - corners[row, axis]))]
+    return corners
 
 
 @lru_cache(maxsize=64)  # all drafts of a room ask for its lines
 def _lines(around: Around) -> tuple[tuple[FloatArray, Ints], ...]:
     """By axis, (L,) where walls and the edges of clear floors lie, and their numbers."""
     walls, clear = around.lines_m[around.kinds == 1], around.lines_m[around.kinds >= _FIRST_CLEAR]
-    found = []
+    places = []
     for axis in (0, 1):
         ends = walls[:, axis], walls[:, axis + 2]
         flat = ends[0][np.abs(ends[0] - ends[1]) < STEP_M / 2]
         edges = clear[:, [axis, axis + 2]].ravel()
         flat = np.concatenate([flat, edges[~np.isin(place(edges), place(flat))]])
-        found.append((flat, place(flat)))
-    return tuple(found)
+        places.append((flat, place(flat)))
+    return tuple(places)

@@ -181,7 +181,7 @@ def _finished(
     """The house with these pieces by room id; rooms that lose some of
     them and cost more than before stay as they were."""
     roomless = [item for item in graph.items if item.room_id not in made]
-    items = (*(item for own in made.values() for item in own), *roomless)
+    items = (*(item for pieces in made.values() for item in pieces), *roomless)
     there = {item.id for item in graph.items}
     finished = finish(replace(graph, items=items))
     left = {item.id for item in finished.items}
@@ -192,9 +192,11 @@ def _finished(
     worse = {room_id for room_id in torn if after.get(room_id, 0.0) > before.get(room_id, 0.0)}
     if not worse:
         return finished
-    kept = {room_id: tuple(graph.items_of(room_id)) if room_id in worse else own
-            for room_id, own in made.items()}  # fmt: skip
-    return finish(replace(graph, items=(*(i for own in kept.values() for i in own), *roomless)))
+    kept = {room_id: tuple(graph.items_of(room_id)) if room_id in worse else pieces
+            for room_id, pieces in made.items()}  # fmt: skip
+    return finish(
+        replace(graph, items=(*(i for pieces in kept.values() for i in pieces), *roomless))
+    )
 
 
 def _prices(graph: SceneGraph) -> dict[str, float]:
@@ -207,20 +209,20 @@ def _prices(graph: SceneGraph) -> dict[str, float]:
 def lost(there: Iterable[Item], listed: Iterable[Item]) -> list[Item]:
     """Listed pieces that no piece of their category stands for, but panels and kitchen units."""
     left = list(there)
-    found = []
+    missing = []
     for item in listed:
         if item.category in KITCHEN_UNITS or category(item.category).mount is not Mount.FLOOR:
             continue
-        same = [one for one in left if one.category == item.category]
+        same = [piece for piece in left if piece.category == item.category]
         if same:
-            left.remove(min(same, key=lambda one: _away_m(one, item)))
+            left.remove(min(same, key=lambda piece: _away_m(piece, item)))
         else:
-            found.append(item)
-    return found
+            missing.append(item)
+    return missing
 
 
-def _away_m(one: Item, other: Item) -> float:
-    return float(np.hypot(*np.subtract(one.box.center_m[:2], other.box.center_m[:2])))
+def _away_m(item: Item, other: Item) -> float:
+    return float(np.hypot(*np.subtract(item.box.center_m[:2], other.box.center_m[:2])))
 
 
 def _anew(
@@ -235,9 +237,8 @@ def _anew(
             yield item
             continue
         was = old.get(item.id) if item.id not in taken else None
-        name = item.id if was else next(
-            one for n in count() if (one := f"{room.id}/{item.category}_{n}") not in taken | {*old}
-        )  # fmt: skip
+        numbered = (f"{room.id}/{item.category}_{n}" for n in count())
+        name = item.id if was else next(free for free in numbered if free not in taken | {*old})
         taken.add(name)
         edits = (*item.facts.edits, Edit(RULE, was.box if was else item.box))
         facts = replace(item.facts, source_px=(), asset_distance_m=None, below_sill_m=None,
@@ -253,8 +254,10 @@ class _Permits:
         self, graph: SceneGraph, room: Room, standing: dict[str, tuple[Item, ...]]
     ) -> None:
         floor = room_polygon(room)
-        self._near = [one for one in graph.rooms if room_polygon(one).dwithin(floor, _BESIDE_M)]
-        items = tuple(item for one in self._near if one.id != room.id for item in standing[one.id])
+        self._near = [near for near in graph.rooms if room_polygon(near).dwithin(floor, _BESIDE_M)]
+        items = tuple(
+            item for near in self._near if near.id != room.id for item in standing[near.id]
+        )
         self._around = replace(graph, items=items, dressing=())
         self._own = standing[room.id]
 
@@ -277,7 +280,9 @@ def _fewer_wrong(propose: Propose) -> Propose:
 
     def fewer(view: View) -> Iterator[Change]:
         most = tight(view)
-        return (one for one in propose(view) if tight(View(view.shell, one, view.hung)) < most)
+        return (
+            change for change in propose(view) if tight(View(view.shell, change, view.hung)) < most
+        )
 
     return fewer
 

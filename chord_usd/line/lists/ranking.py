@@ -49,17 +49,17 @@ class Ranking:
         self._numbers = {room.id: at for at, room in enumerate(rooms)}
         self._best: dict[int, list[Draft]] = {}
 
-    def weigh(self, told: Mapping[int, Sequence[list[Item]]]) -> None:
+    def weigh(self, listed: Mapping[int, Sequence[list[Item]]]) -> None:
         """Add drafts to rooms."""
-        drafts = {at: [self._draft(at, items) for items in own] for at, own in told.items()}
-        chosen = {at: min(own, key=_key) for at, own in drafts.items()}
-        chosen = {at: own[0] for at, own in self._best.items()} | chosen
-        few = {at: self._likeliest(at, own, chosen) for at, own in drafts.items()}
-        settled = {at: own[0].items for at, own in self._best.items()}
+        drafts = {at: [self._draft(at, items) for items in lists] for at, lists in listed.items()}
+        chosen = {at: min(ranked, key=_key) for at, ranked in drafts.items()}
+        chosen = {at: ranked[0] for at, ranked in self._best.items()} | chosen
+        few = {at: self._likeliest(at, ranked, chosen) for at, ranked in drafts.items()}
+        settled = {at: ranked[0].items for at, ranked in self._best.items()}
         for nth in range(max(map(len, few.values()), default=0)):
-            tried = {at: own[nth] for at, own in few.items() if nth < len(own)}
+            tried = {at: ranked[nth] for at, ranked in few.items() if nth < len(ranked)}
             standing = settled | {at: draft.items for at, draft in tried.items()}
-            items = (*self.house.items, *(item for own in standing.values() for item in own))
+            items = (*self.house.items, *(item for pieces in standing.values() for item in pieces))
             rooms = [self.rooms[at] for at in tried]
             faults = room_faults(replace(self.house, items=items), rooms, unpainted=True)
             for (at, draft), fault in zip(tried.items(), faults, strict=True):
@@ -111,11 +111,13 @@ class Ranking:
     def chosen(self) -> Iterator[Item]:
         """The pieces of the best home: of each room in turn the draft with which room and home
         together cost least."""
-        chosen = {at: own[0] for at, own in self._best.items()}
-        for at, own in sorted(self._best.items()):
-            own = [draft for draft in own if draft.missing == own[0].missing]
-            costs = [draft.price + home_price(self._home({**chosen, at: draft})) for draft in own]
-            chosen[at] = own[costs.index(min(costs))]
+        chosen = {at: ranked[0] for at, ranked in self._best.items()}
+        for at, ranked in sorted(self._best.items()):
+            ranked = [draft for draft in ranked if draft.missing == ranked[0].missing]
+            costs = [
+                draft.price + home_price(self._home({**chosen, at: draft})) for draft in ranked
+            ]
+            chosen[at] = ranked[costs.index(min(costs))]
         return (item for at in sorted(chosen) for item in chosen[at].items)
 
 
@@ -167,11 +169,13 @@ def cleared(view: View) -> View:
         if units:  # runs are composed later: which of many units goes first is worth no search
             wrong = [max(units, key=lambda at: float(deep[at].max()))]
         going = dict.fromkeys(
-            one for at in wrong
-            for one in (at, *np.flatnonzero(view.depths[at] > TOUCH_M).tolist())
-            if one == at or deep[at, 0] > TOUCH_M
+            number for at in wrong
+            for number in (at, *np.flatnonzero(view.depths[at] > TOUCH_M).tolist())
+            if number == at or deep[at, 0] > TOUCH_M
         )  # fmt: skip
-        lefts = (View(view.shell, tuple(_without(view.items, one)), view.hung) for one in going)
+        lefts = (
+            View(view.shell, tuple(_without(view.items, number)), view.hung) for number in going
+        )
         options = [left for left in lefts if needed_there(left.shell, left.categories) >= least]
         if not options:
             break
@@ -192,15 +196,15 @@ def _best_change(view: View, at: int, deep: FloatArray) -> tuple[View, FloatArra
     """Of the piece, or else of those that it is in, the change that leaves least wrong."""
     best, least = None, float(deep.sum()) - TOUCH_M
     steps = sorted({float(depth) for depth in deep[at] if TOUCH_M < depth <= MOST_M})
-    for one in dict.fromkeys([at, *np.flatnonzero(view.depths[at] > TOUCH_M).tolist()]):
+    for number in dict.fromkeys([at, *np.flatnonzero(view.depths[at] > TOUCH_M).tolist()]):
         boxes = (
             box
             for step in steps
-            for box in _changes(view.items[one].box, view.categories[one], step)
+            for box in _changes(view.items[number].box, view.categories[number], step)
         )
         for box in boxes:
             items = list(view.items)
-            items[one] = replace(items[one], box=box)
+            items[number] = replace(items[number], box=box)
             tried = View(view.shell, tuple(items), view.hung)
             left = conflicts(tried)
             if left.sum() < least:

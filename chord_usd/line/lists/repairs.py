@@ -149,7 +149,7 @@ def _roomy(propose: Propose) -> Propose:
     def changes(view: View) -> Iterator[Change]:
         for change in propose(view):
             judged = judged_room(View(view.shell, change, view.hung))
-            tables = [one.findings for one in judged if one.kind == "dining table"]
+            tables = [verdict.findings for verdict in judged if verdict.kind == "dining table"]
             if not any(finding.unit == "m" for findings in tables for finding in findings):
                 yield change
 

@@ -98,14 +98,14 @@ def _rims(top: TableTop) -> list[FloatArray]:
     fine = cv2.resize(top.free.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST_EXACT)
     outlines, _ = cv2.findContours(fine, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     sizes = [cv2.contourArea(outline) * abs(cell[0] * cell[1]) for outline in outlines]
-    found = []
+    faults = []
     for index in np.argsort(sizes)[::-1]:
         if sizes[index] < _LEAST_PART_M2:
             break
         eased = cv2.approxPolyDP(outlines[index], SMOOTH_M / float(np.abs(cell).max()), True)
         points = (eased[:, 0] + 0.5) * cell + np.array(top.size_m) * (-0.5, 0.5)
-        found.append(np.concatenate([points, np.roll(points, -1, axis=0)], axis=1))
-    return found
+        faults.append(np.concatenate([points, np.roll(points, -1, axis=0)], axis=1))
+    return faults
 
 
 def facts_of(top: TableTop) -> Ints:
@@ -138,8 +138,10 @@ def place_m(index: Ints) -> FloatArray:
 def things_of(items: Iterable[Item], top: TableTop) -> list[Element]:
     """The things on a piece, in the order of the vocabulary, then from left to right."""
     scale = scale_of(top)
-    found = [_element(item, scale) for item in items if item.category in _INDEX]
-    return sorted(found, key=lambda one: (one.category, one.values[1], one.values[2]))
+    elements = [_element(item, scale) for item in items if item.category in _INDEX]
+    return sorted(
+        elements, key=lambda element: (element.category, element.values[1], element.values[2])
+    )
 
 
 def _element(item: Item, scale: float) -> Element:
@@ -226,14 +228,14 @@ class TopLister:
             drawn = self._drawer.draw(
                 [asked[index] for index in waiting], [rngs[index] for index in waiting], self._heat
             )
-            for index, one in zip(waiting, drawn, strict=True):
-                items = items_from(one.elements, tops[index])
-                found = top_faults(items, tops[index])
-                if found < faults[index]:
-                    best[index], faults[index] = items, found
+            for index, listed in zip(waiting, drawn, strict=True):
+                items = items_from(listed.elements, tops[index])
+                wrong = top_faults(items, tops[index])
+                if wrong < faults[index]:
+                    best[index], faults[index] = items, wrong
                 if draft == 0 and items:
-                    told = tuple(element.category for element in one.elements)
-                    asked[index] = replace(subjects[index], wanted=told, excluded=_ALL)
+                    categories = tuple(element.category for element in listed.elements)
+                    asked[index] = replace(subjects[index], wanted=categories, excluded=_ALL)
             if progress:
                 progress(draft + 1, self.drafts)
         return best

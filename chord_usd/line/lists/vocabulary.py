@@ -130,14 +130,14 @@ class Sequences:
 
 def sequence_of(vocabulary: Vocabulary, elements: Sequence[Element]) -> Sequences:
     """One list. elements: by the ranks of the vocabulary; those beyond the most are left out."""
-    told = list(elements)[: vocabulary.most]
-    categories = [element.category for element in told]
-    count = len(told)
+    kept = list(elements)[: vocabulary.most]
+    categories = [element.category for element in kept]
+    count = len(kept)
     values = np.full((2 * count + 1, len(vocabulary.slots)), NOTHING, np.int64)
     values[:count, 0] = np.array(categories, np.int64) + END + 1
     values[count, 0] = END
     starts = [vocabulary.first[name] for name in vocabulary.slots]
-    for index, element in enumerate(told):
+    for index, element in enumerate(kept):
         values[count + 1 + index] = np.array(element.values) + starts
     roles, left = roles_of(categories)
     heading = np.zeros(count + 1, np.int64)

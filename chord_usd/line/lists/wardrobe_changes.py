@@ -40,8 +40,11 @@ def longer_wardrobe(view: View) -> Iterator[Change]:
     cabinets = view.of("cabinet")
     if not cabinets:
         return
-    at = max(cabinets, key=lambda one: (view.depth[one] >= WARDROBE_DEPTH_M, view.length[one]))
-    others = sum(view.length[one] for one in wardrobes(view) if one != at)
+    at = max(
+        cabinets,
+        key=lambda cabinet: (view.depth[cabinet] >= WARDROBE_DEPTH_M, view.length[cabinet]),
+    )
+    others = sum(view.length[wardrobe] for wardrobe in wardrobes(view) if wardrobe != at)
     most = CATEGORIES["cabinet"].length_m[1]
     needed = float(np.clip(sleepers_of(view) - others, view.length[at], most))
     depth = max(float(view.depth[at]), WARDROBE_M)

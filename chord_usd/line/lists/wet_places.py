@@ -77,77 +77,77 @@ class _Places:
 
 def composed(view: View) -> Iterator[Change]:
     """The room with its fixtures placed together, the cheapest rooms first."""
-    own = [item for item in view.items if item.category in FIXTURES and not item.facts.locked]
-    rest = tuple(item for item in view.items if item not in own)
-    kept = list(_rooms(view, rest, list(_wanted(view, own))))
+    fixtures = [item for item in view.items if item.category in FIXTURES and not item.facts.locked]
+    rest = tuple(item for item in view.items if item not in fixtures)
+    kept = list(_rooms(view, rest, list(_wanted(view, fixtures))))
     yield from kept
     if not any(_stands_free(view, room) for room in kept):
-        yield from _rooms(view, rest, list(_exchanged(view, own)))
+        yield from _rooms(view, rest, list(_exchanged(view, fixtures)))
 
 
 def _rooms(view: View, rest: Change, programmes: Sequence[list[Item]]) -> Iterator[Change]:
-    programmes = [one for one in programmes if 0 < len(one) <= _MOST_FIXTURES]
+    programmes = [programme for programme in programmes if 0 < len(programme) <= _MOST_FIXTURES]
     for wanted in programmes:
         places = [_places(view, rest, item) for item in wanted]
-        if all(len(one.items) for one in places):
+        if all(len(place.items) for place in places):
             for chosen in islice(_combined(places), _OFFERED // max(2, len(programmes))):
-                yield (*rest, *(one.items[at] for one, at in zip(places, chosen, strict=True)))
+                yield (*rest, *(place.items[at] for place, at in zip(places, chosen, strict=True)))
 
 
 def _stands_free(view: View, room: Change) -> bool:
     return bool((conflicts(View(view.shell, room)) <= TOUCH_M).all())
 
 
-def _wanted(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
+def _wanted(view: View, fixtures: Sequence[Item]) -> Iterator[list[Item]]:
     """What the room holds with what it lacks; without; with a shower in a bathroom that has nothing
     to wash in; in a small WC, the toilet alone."""
     kind, area_m2 = view.shell.kind, view.shell.area_m2
     missing = lacking(kind, area_m2, view.categories)
-    by_name = {one.name: one.categories for one in ESSENTIALS.get(kind, ())}
+    by_name = {essential.name: essential.categories for essential in ESSENTIALS.get(kind, ())}
     new = [min(by_name[name] & _NEW_M.keys(), key=[*_NEW_M].index) for name in missing]
     if new:
         more = [new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0)) for name in new]
-        yield _sorted([*own, *more])
-    yield _sorted(own)
+        yield _sorted([*fixtures, *more])
+    yield _sorted(fixtures)
     if {"toilet", *WET} & {*view.categories} > {"toilet"} and not {*BASINS} & {
         *view.categories,
         *new,
     }:
-        yield from _with_basin(view, own)
+        yield from _with_basin(view, fixtures)
     if kind == "bathroom" and not {*WET} & {*view.categories}:
         # What a home has a bathroom for: rather than a washing machine or a basin, where there is
         # no room for both.
         place = Box((0.0, 0.0, 0.0), _NEW_M["shower"], 0.0)
         shower = new_piece(view, "shower", place)
-        yield _sorted([*own, shower])
+        yield _sorted([*fixtures, shower])
         for spare in (LAUNDRY, (*BASINS, *LAUNDRY)):
-            yield _sorted([shower, *(item for item in own if item.category not in spare)])
-    if kind == "wc" and area_m2 < FEWER_BELOW_M2["wc"][0][0] and len(own) > 1:
-        yield [item for item in own if item.category == "toilet"][:1]
+            yield _sorted([shower, *(item for item in fixtures if item.category not in spare)])
+    if kind == "wc" and area_m2 < FEWER_BELOW_M2["wc"][0][0] and len(fixtures) > 1:
+        yield [item for item in fixtures if item.category == "toilet"][:1]
 
 
-def _with_basin(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
+def _with_basin(view: View, fixtures: Sequence[Item]) -> Iterator[list[Item]]:
     """Fixtures with a basin beside the toilet; with a shower, which takes less floor, in place of a
     bath."""
     if view.shell.area_m2 < BASIN_FROM_M2:
         return
     place = Box((0.0, 0.0, 0.0), _NEW_M["washbasin"], 0.0)
     basin = new_piece(view, "washbasin", place)
-    yield _sorted([*own, basin])
-    if any(item.category == "bathtub" for item in own):
+    yield _sorted([*fixtures, basin])
+    if any(item.category == "bathtub" for item in fixtures):
         shower = new_piece(view, "shower", replace(place, size_m=_NEW_M["shower"]))
-        yield _sorted([basin, shower, *(item for item in own if item.category not in WET)])
+        yield _sorted([basin, shower, *(item for item in fixtures if item.category not in WET)])
 
 
-def _exchanged(view: View, own: Sequence[Item]) -> Iterator[list[Item]]:
+def _exchanged(view: View, fixtures: Sequence[Item]) -> Iterator[list[Item]]:
     """A bath for a shower before an opening, or the other way round."""
     for at in np.flatnonzero(conflicts(view)[:, 1] > TOUCH_M):
         # A bath may stand before a window that a shower would cover, a shower beside a door.
         item = view.items[at]
-        if item in own and item.category in WET:
+        if item in fixtures and item.category in WET:
             name = next(name for name in WET if name != item.category)
             other = new_piece(view, name, Box((0.0, 0.0, 0.0), _NEW_M[name], 0.0))
-            yield _sorted([other, *(one for one in own if one is not item)])
+            yield _sorted([other, *(fixture for fixture in fixtures if fixture is not item)])
 
 
 def _sorted(items: Sequence[Item]) -> list[Item]:
@@ -162,11 +162,11 @@ def _places(view: View, rest: Change, item: Item) -> _Places:
         return _Places([], View(view.shell, ()).rects, [], np.zeros(0))
     entries = (0, -1, 1) if item.category in WET else (0,)
     # A bath or shower is entered over its front or over one of its sides.
-    items = [one for one in items for _ in entries]
+    items = [item for item in items for _ in entries]
     rects = View(view.shell, tuple(items)).rects
     zones = _zones(item.category, rects, np.tile(entries, len(items) // len(entries)))
     standing = View(view.shell, rest).rects
-    cost = _own_cost(view, item.category, items) + [dear[one.box] for one in items]
+    cost = _own_cost(view, item.category, items) + [dear[item.box] for item in items]
     for zone, weight in zones:
         short = beyond_walls(zone.corners, view.shell)
         if rest:
@@ -247,10 +247,10 @@ def _combined(places: Sequence[_Places]) -> Iterator[tuple[int, ...]]:
     """Numbers of places of all fixtures together, the cheapest first."""
     chosen = np.arange(len(places[0].items))[:, None]
     cost = places[0].cost
-    for nth, own in enumerate(places[1:], 1):
-        total = cost[:, None] + own.cost[None]
+    for nth, choices in enumerate(places[1:], 1):
+        total = cost[:, None] + choices.cost[None]
         for before, other in enumerate(places[:nth]):
-            total = total + _together(other, own)[chosen[:, before]]
+            total = total + _together(other, choices)[chosen[:, before]]
         order = np.argsort(total, axis=None, kind="stable")[:_BEAM]
         order = order[np.isfinite(total.ravel()[order])]
         first, second = np.unravel_index(order, total.shape)
@@ -258,17 +258,17 @@ def _combined(places: Sequence[_Places]) -> Iterator[tuple[int, ...]]:
     seen: set[tuple[int, ...]] = set()
     for row in chosen[:_BEAM].tolist():
         # Places that differ in the entry alone are one.
-        key = tuple(id(one.items[at]) for one, at in zip(places, row, strict=True))
+        key = tuple(id(place.items[at]) for place, at in zip(places, row, strict=True))
         if key not in seen:
             seen.add(key)
             yield tuple(row)
 
 
-def _together(one: _Places, other: _Places) -> FloatArray:
+def _together(places: _Places, other: _Places) -> FloatArray:
     """(N, M) what places of two fixtures cost beside each other; infinite where they overlap."""
-    cost = np.where(one.rects.depths(other.rects) > TOUCH_M, np.inf, 0.0)
-    for zone, weight in one.zones:
+    cost = np.where(places.rects.depths(other.rects) > TOUCH_M, np.inf, 0.0)
+    for zone, weight in places.zones:
         cost += _priced(zone.depths(other.rects), weight)
     for zone, weight in other.zones:
-        cost += _priced(zone.depths(one.rects), weight).T
+        cost += _priced(zone.depths(places.rects), weight).T
     return cost

@@ -52,14 +52,14 @@ def placed_pieces(plan: Plan) -> list[Placed]:
     placed = place(plan, [(area, opening) for opening, area in clear], named, blocks)
     floors = ClearFloors(clear)
     return [
-        one if one.item is None else replace(one, item=floors.below_sill(one.item))
-        for one in placed
+        piece if piece.item is None else replace(piece, item=floors.below_sill(piece.item))
+        for piece in placed
     ]
 
 
 def parted(placed: Iterable[Placed]) -> tuple[tuple[Item, ...], tuple[Item, ...]]:
     """What stays where it is drawn, and the units that kitchens are composed around."""
-    items = [one.item for one in placed if one.item is not None]
+    items = [piece.item for piece in placed if piece.item is not None]
     return (
         tuple(item for item in items if item.category not in KITCHEN),
         tuple(item for item in items if item.category in KITCHEN),
@@ -70,10 +70,12 @@ def hindering_left_out(placed: Iterable[Placed], locked: Iterable[Item]) -> list
     """Placed pieces with the reason for those that were to be locked, and are no longer."""
     kept = {item.id for item in locked}
     return [
-        replace(one, item=None, reason="the room cannot be furnished round it")
-        if one.item is not None and one.item.category not in KITCHEN and one.item.id not in kept
-        else one
-        for one in placed
+        replace(piece, item=None, reason="the room cannot be furnished round it")
+        if piece.item is not None
+        and piece.item.category not in KITCHEN
+        and piece.item.id not in kept
+        else piece
+        for piece in placed
     ]
 
 
@@ -102,10 +104,10 @@ def _without_doubles(items: Iterable[Item], locked: Sequence[Item]) -> list[Item
     shapes = [(item.category, footprint_polygon(item.box)) for item in locked]
 
     def is_double(item: Item) -> bool:
-        own = footprint_polygon(item.box)
+        outline = footprint_polygon(item.box)
         return any(
             item.category == name
-            and own.intersection(shape).area > _DOUBLE * min(own.area, shape.area)
+            and outline.intersection(shape).area > _DOUBLE * min(outline.area, shape.area)
             for name, shape in shapes
         )
 
@@ -115,17 +117,17 @@ def _without_doubles(items: Iterable[Item], locked: Sequence[Item]) -> list[Item
 def drawn_told(placed: Sequence[Placed], graph: SceneGraph | None = None) -> list[dict[str, Any]]:
     """For reports, each piece that is drawn: its category and box, whether it is built there, and
     else the reason. graph: the house; without it, whether it can be built there."""
-    return [_told(one, graph) for one in placed]
+    return [_told(piece, graph) for piece in placed]
 
 
-def _told(one: Placed, graph: SceneGraph | None) -> dict[str, Any]:
-    is_built = one.item is not None and (graph is None or _is_built(one.item, graph))
-    reason = one.reason or ("" if is_built else "elsewhere")
-    box = one.drawn.box
+def _told(piece: Placed, graph: SceneGraph | None) -> dict[str, Any]:
+    is_built = piece.item is not None and (graph is None or _is_built(piece.item, graph))
+    reason = piece.reason or ("" if is_built else "elsewhere")
+    box = piece.drawn.box
     return {
-        "category": (one.item or one.drawn).category,
+        "category": (piece.item or piece.drawn).category,
         "box": [round(v, 3) for v in (*box.center_m[:2], *box.size_m[:2], box.yaw_deg)],
-        "confidence": round(one.drawn.score, 2),
+        "confidence": round(piece.drawn.score, 2),
         "kept": is_built,
         **({"reason": reason} if reason else {}),
     }

@@ -33,18 +33,18 @@ def named_room(stage: Path, said: str) -> str:
                 where=str(stage),
                 expected=f"one of {', '.join(rooms)}",
             )
-        found = rooms_meant(said, rooms, str(stage))
+        meant = rooms_meant(said, rooms, str(stage))
     except ChordError as error:
         near = get_close_matches(said, [*rooms, *(room.name for room in rooms.values())], n=1)
         raise StageError(
             error.what, where=error.where, expected=error.expected,
             try_=f"--room {shlex.quote(near[0])}" if near else "",
         ) from error  # fmt: skip
-    same = [room.id for room in rooms.values() if room.name == found[0].name]
-    several = same if len(same) > 1 else [room.id for room in found]
+    same = [room.id for room in rooms.values() if room.name == meant[0].name]
+    several = same if len(same) > 1 else [room.id for room in meant]
     if len(several) > 1:
         raise StageError(
             f"{said!r} means {len(several)} rooms", where=str(stage),
             expected=f"one of {', '.join(several)}",
         )  # fmt: skip
-    return found[0].id
+    return meant[0].id

@@ -57,14 +57,14 @@ class Regenerated:
     @property
     def new_items(self) -> tuple[Item, ...]:
         """Furniture that was not there before."""
-        own = self.graph.items_of(self.room.id)
-        return tuple(item for item in own if item.id not in self.kept_ids)
+        pieces = self.graph.items_of(self.room.id)
+        return tuple(item for item in pieces if item.id not in self.kept_ids)
 
     @property
     def new_dressing(self) -> tuple[Item, ...]:
         """Dressing that was not there before."""
-        own = self.graph.dressing_of(self.room.id)
-        return tuple(item for item in own if item.id not in self.kept_ids)
+        things = self.graph.dressing_of(self.room.id)
+        return tuple(item for item in things if item.id not in self.kept_ids)
 
 
 def regenerate(
@@ -114,9 +114,9 @@ def regenerate(
     style = style_named(settings.style or house.graph.style or MIXED, house.seed)
     with watch.step("load"):
         models = load_models(settings).in_style(style.name)
-    own = replace(settings, seed=seed)
+    seeded = replace(settings, seed=seed)
     plan_image = draw_plan(house.graph.plan)
-    draw = sampling(own, models.lists, asked)
+    draw = sampling(seeded, models.lists, asked)
     sampler = Resampler(
         plan_image, models.layout, models.reader.read, draw, kept_ids, step=watch.step
     )
@@ -129,11 +129,13 @@ def regenerate(
     if models.table:
         with watch.step("tabletop") as progress:
             database, rooms = models.reader.database, (room.id,)
-            graph = lay_tables(graph, models.table, database, own, progress, rooms, kept_ids).graph
-    graph = settle(graph, own, (room.id,), kept_ids, models.reader.database)
+            graph = lay_tables(
+                graph, models.table, database, seeded, progress, rooms, kept_ids
+            ).graph
+    graph = settle(graph, seeded, (room.id,), kept_ids, models.reader.database)
     with watch.step("dress"):
         graph = replace(graph, style=style.name)
-        graph = _dressed(graph, house, room, models.reader.database, own, kept_ids)
+        graph = _dressed(graph, house, room, models.reader.database, seeded, kept_ids)
     return Regenerated(
         source, room_name, room, canvas.layout_image(plan_image, bare.items), made.layout, graph,
         tuple(kept.values()), kept_ids, style.name, house.seed,
@@ -145,15 +147,17 @@ def _beside_dressing(
 ) -> SceneGraph:
     """The house without new furniture that stands in dressing that stays."""
     floor = [
-        footprint_polygon(one.box)
-        for one in dressing
-        if one.id in kept_ids and category(one.category).mount is Mount.FLOOR
+        footprint_polygon(thing.box)
+        for thing in dressing
+        if thing.id in kept_ids and category(thing.category).mount is Mount.FLOOR
     ]
     return graph.without(
         item.id
         for item in graph.items_of(room.id)
         if item.id not in kept_ids
-        and any(footprint_polygon(item.box).intersection(own).area > TOUCH_M2 for own in floor)
+        and any(
+            footprint_polygon(item.box).intersection(outline).area > TOUCH_M2 for outline in floor
+        )
     )
 
 
@@ -167,14 +171,14 @@ def _dressed(
 ) -> SceneGraph:
     """The house with the dressing of other rooms, and of this one what is kept and what is new."""
     stays = tuple(
-        one for one in house.graph.dressing if one.room_id != room.id or one.id in kept_ids
+        thing for thing in house.graph.dressing if thing.room_id != room.id or thing.id in kept_ids
     )
     graph = replace(graph, dressing=stays)
     if not (settings.dressing and house.is_dressed):
         return graph
     # What is kept was read from a stage, where nothing has an asset.
     items = tuple(replace(i, asset=i.asset or house.assets.get(i.id)) for i in graph.items)
-    keep = frozenset(one.id for one in stays)
+    keep = frozenset(thing.id for thing in stays)
     dressed = dress_rooms(replace(graph, items=items), database, settings, (room.id,), keep)
     return replace(dressed, items=graph.items)
 

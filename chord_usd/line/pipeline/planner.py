@@ -173,12 +173,12 @@ def commission_of_text(text: str, load_encoder: Callable[[], TextEncoder]) -> Co
     from chord_usd.line.planning.wording import read_wish
     from chord_usd.line.planning.words import condition_words
 
-    found = read_wish(text)
-    wish = found.wish
-    said = text if found.english else wish.sentence
+    heard = read_wish(text)
+    wish = heard.wish
+    said = text if heard.english else wish.sentence
     encoder = load_encoder()
     words = condition_words(wish, encoder.encode([said])[0], encoder.channels)
-    return Commission(wish, found.summary, words, unheard=found.warnings)
+    return Commission(wish, heard.summary, words, unheard=heard.warnings)
 
 
 def commission_in_shell(shell: Plan, text: str = "") -> Commission:
@@ -187,12 +187,12 @@ def commission_in_shell(shell: Plan, text: str = "") -> Commission:
     from chord_usd.line.planning.wording import read_wish
     from chord_usd.line.planning.words import condition_words
 
-    found = read_wish(text) if text else None
-    wish = replace(found.wish, area_m2=None) if found else Wish()
+    heard = read_wish(text) if text else None
+    wish = replace(heard.wish, area_m2=None) if heard else Wish()
     words = condition_words(wish)
-    if not found:
+    if not heard:
         return Commission(wish, "", words, shell)
-    return Commission(wish, found.summary, words, shell, found.warnings)
+    return Commission(wish, heard.summary, words, shell, heard.warnings)
 
 
 def carry_out(
@@ -216,7 +216,7 @@ def carry_out(
         plans = _sampled(commission, site, planner, seeds, settings.steps, progress)
         tried += [judged(plan, commission.wish, site.programme) for plan in plans]
         patient = batch + 1 < PATIENT_ROUNDS
-        if any(found.holds and not (patient and found.off_programme) for found in tried):
+        if any(attempt.holds and not (patient and attempt.off_programme) for attempt in tried):
             break
     chosen = best(tried)
     if not chosen.plan.rooms:
@@ -277,15 +277,15 @@ def _sketched(site: Site, sketcher: Sketcher, seeds: range) -> list[Drawing]:
     from chord_usd.line.planning import floor_sheet
 
     count = SKETCHES * len(seeds)
-    found = []
+    ranked = []
     for sketch in sketcher.sketch(site.programme, site.ground, count, seeds[0]):
         blank = site.blank or floor_sheet.sheet_for_area(sketch.area_m2)
         bubbles = floor_sheet.on_sheet(blank, sketch.bubbles)
-        found.append((floor_sheet.slips(blank, bubbles), -sketch.likelihood, blank, bubbles))
-    found.sort(key=lambda one: one[:2])
+        ranked.append((floor_sheet.slips(blank, bubbles), -sketch.likelihood, blank, bubbles))
+    ranked.sort(key=lambda entry: entry[:2])
     return [
         Drawing(with_bubbles(blank, bubbles), bubbles)
-        for _, _, blank, bubbles in found[: len(seeds)]
+        for _, _, blank, bubbles in ranked[: len(seeds)]
     ]
 
 

@@ -74,8 +74,8 @@ class Draw:
         from chord_usd.line.lists.wishes import Asked
 
         graph = self.holding(graph, aside=False)
-        decided = {one.room_id for one in graph.items if one.id in kept_ids}
-        decided |= {room_id for room_id, own in self.asked.items() if own.is_asked}
+        decided = {item.room_id for item in graph.items if item.id in kept_ids}
+        decided |= {room_id for room_id, wish in self.asked.items() if wish.is_asked}
         kept_ids = {*kept_ids, *(item.id for item in self.locked)}
         asked = {
             room.id: replace(
@@ -95,7 +95,7 @@ class Draw:
         from chord_usd.line.compose.composer import displaced, with_kitchens
         from chord_usd.line.lists.put_back import put_back
 
-        gone = {item.id for own in displaced(listed, kitchens).values() for item in own}
+        gone = {item.id for pieces in displaced(listed, kitchens).values() for item in pieces}
         drawn = with_kitchens(listed.without(gone), kitchens)
 
         def finish(house: SceneGraph) -> SceneGraph:
@@ -104,9 +104,9 @@ class Draw:
 
         def compose(view: View, stays: Sequence[Item]) -> Sequence[Item]:
             room = view.shell.room
-            own = replace(asked[room.id], kept=tuple(stays))
-            found = self._kitchens(listed, [room], {room.id: own}, LITTLE_EFFORT)
-            return found.get(room.id, ())
+            wish = replace(asked[room.id], kept=tuple(stays))
+            composed = self._kitchens(listed, [room], {room.id: wish}, LITTLE_EFFORT)
+            return composed.get(room.id, ())
 
         return put_back(finish(drawn), listed, asked, decided, finish, compose=compose)
 
@@ -142,22 +142,22 @@ class Draw:
         from chord_usd.line.compose.composer import composed_kitchens, with_kitchens
         from chord_usd.line.compose.search import EFFORT
 
-        found = composed_kitchens(
+        composed = composed_kitchens(
             house, [room for room in rooms if room.id not in self.shut], self.seed,
-            {room_id: own.excluded for room_id, own in asked.items()},
-            {room_id: own.kept for room_id, own in asked.items()}, self.shown, effort or EFFORT,
+            {room_id: wish.excluded for room_id, wish in asked.items()},
+            {room_id: wish.kept for room_id, wish in asked.items()}, self.shown, effort or EFFORT,
         )  # fmt: skip
-        made = with_kitchens(house, found)
+        made = with_kitchens(house, composed)
 
         def grants(room_id: str) -> bool:
             """Whether composing takes nothing away that is wished for."""
-            own = asked.get(room_id)
-            if own is None or not own.wanted:
+            wish = asked.get(room_id)
+            if wish is None or not wish.wanted:
                 return True
-            before, after = (own.missing(one.items_of(room_id)) for one in (house, made))
+            before, after = (wish.missing(state.items_of(room_id)) for state in (house, made))
             return len(after) <= len(before)
 
-        return {room_id: units for room_id, units in found.items() if grants(room_id)}
+        return {room_id: units for room_id, units in composed.items() if grants(room_id)}
 
     def heeded(
         self,
@@ -198,12 +198,12 @@ class Draw:
         from chord_usd.base.metrics.rooms import plumbing_elsewhere
 
         shut_out: dict[str, Collection[str]] = {
-            room_id: own.excluded for room_id, own in self.asked.items()
+            room_id: wish.excluded for room_id, wish in self.asked.items()
         }
         strange = plumbing_elsewhere([room.kind for room in graph.rooms])
         for room in graph.rooms:
-            own = self.asked.get(room.id)
-            if room.kind == "unknown" and not (own and own.is_asked):
+            wish = self.asked.get(room.id)
+            if room.kind == "unknown" and not (wish and wish.is_asked):
                 shut_out[room.id] = strange
         return graph.without(
             item.id
@@ -214,15 +214,15 @@ class Draw:
     def lacking(self, graph: SceneGraph) -> dict[str, tuple[Piece, ...]]:
         """The pieces that rooms lack of what they shall hold, by room id; of such rooms only."""
         lacks = {
-            room_id: own.missing(graph.items_of(room_id)) for room_id, own in self.asked.items()
+            room_id: wish.missing(graph.items_of(room_id)) for room_id, wish in self.asked.items()
         }
         return {room_id: pieces for room_id, pieces in lacks.items() if pieces}
 
     def refuse_lacking(self, graph: SceneGraph) -> None:
         """Raises ChordError for a piece that a room shall hold and does not."""
         for room_id, pieces in self.lacking(graph).items():
-            told = Counter(piece.word or piece.category for piece in pieces)
-            words = ", ".join(f"{n} × {word}" if n > 1 else word for word, n in told.items())
+            counts = Counter(piece.word or piece.category for piece in pieces)
+            words = ", ".join(f"{n} × {word}" if n > 1 else word for word, n in counts.items())
             raise ChordError(
                 f"no place was found for: {words}",
                 where=self.asked[room_id].room,
@@ -235,14 +235,13 @@ def faults_by_room(graph: SceneGraph, draw: Draw | None = None) -> dict[str, flo
     """How much is wrong in each room, by id (metrics.violations.room_faults); rooms that are right
     have none.
 
-    draw: what rooms shall hold and lack counts, too, and that they lack what they shall not hold is
-    no fault.
+    draw: pieces that a room must hold and lacks count, too; an excluded piece is no fault.
     """
     from chord_usd.base.metrics.violations import room_faults
 
     asked = draw.asked if draw else {}
-    found = room_faults(graph, graph.rooms, {key: own.excluded for key, own in asked.items()})
-    faults = {room.id: fault for room, fault in zip(graph.rooms, found, strict=True) if fault}
+    each = room_faults(graph, graph.rooms, {key: wish.excluded for key, wish in asked.items()})
+    faults = {room.id: fault for room, fault in zip(graph.rooms, each, strict=True) if fault}
     for room_id, pieces in (draw.lacking(graph) if draw else {}).items():
         faults[room_id] = faults.get(room_id, 0.0) + _WISHED * len(pieces)
     return faults

@@ -283,8 +283,8 @@ def redraw_rooms(
 
     def free_floor(house: SceneGraph, frame: PixelFrame) -> BoolArray:
         kept = [item for item in house.items if item.id in kept_ids]
-        own = [canvas.room_pixels(house.plan.room(room_id), frame) for room_id in sorted(ids)]
-        free: BoolArray = np.logical_or.reduce(own) & ~canvas.taken_pixels(kept, frame)
+        parts = [canvas.room_pixels(house.plan.room(room_id), frame) for room_id in sorted(ids)]
+        free: BoolArray = np.logical_or.reduce(parts) & ~canvas.taken_pixels(kept, frame)
         return free
 
     listed = draw.listed(graph, rooms, kept_ids)
@@ -345,24 +345,24 @@ def with_wishes(
 
     # Lists of nothing else: the best of them has the best places for what is wished for.
     asked = {
-        room_id: replace(own, excluded=frozenset(CATEGORY_ORDER))
-        for room_id, own in draw.asked.items()
+        room_id: replace(wish, excluded=frozenset(CATEGORY_ORDER))
+        for room_id, wish in draw.asked.items()
     }
     listed = replace(draw, asked=asked).listed(graph, rooms, kept_ids)
     given = set(kept_ids)
     for room in rooms:
-        own = draw.asked.get(room.id)
-        if own is None or listed is None:
+        wish = draw.asked.get(room.id)
+        if wish is None or listed is None:
             continue
         graph = with_furniture(graph, room, (), kept_ids)
-        wanted = list(own.missing(graph.items_of(room.id)))
+        wanted = list(wish.missing(graph.items_of(room.id)))
         for item in listed.items_of(room.id):
             met = next((piece for piece in wanted if piece.is_met_by(item)), None)
-            stay = {one.id for one in graph.items_of(room.id)}
+            stay = {item.id for item in graph.items_of(room.id)}
             tried = with_furniture(graph, room, [item], stay)
-            new = {one.id for one in tried.items_of(room.id)} - stay
-            wrong = {item_id for one in violations(tried) if one.kind in _BARRED
-                     for item_id in one.items}  # fmt: skip
+            new = {item.id for item in tried.items_of(room.id)} - stay
+            wrong = {item_id for violation in violations(tried) if violation.kind in _BARRED
+                     for item_id in violation.items}  # fmt: skip
             if met and new and not new & wrong:
                 wanted.remove(met)
                 graph = tried
@@ -398,9 +398,9 @@ def _beside(new: Iterable[Item], stay: Sequence[Item], kept_ids: Collection[str]
         ):
             continue
         stem, number = item.id.rsplit("_", 1)
-        own = next(i for n in count(int(number)) if (i := f"{stem}_{n}") not in ids)
-        ids.add(own)
-        yield replace(item, id=own)
+        free = next(i for n in count(int(number)) if (i := f"{stem}_{n}") not in ids)
+        ids.add(free)
+        yield replace(item, id=free)
 
 
 def _drawn_together(rooms: Sequence[Room]) -> list[list[Room]]:
@@ -448,8 +448,8 @@ def as_listed(
     while torn:
         tried = graph
         for room in torn:
-            own = (_seen(item, layout.frame) for item in listed.items_of(room.id))
-            tried = with_furniture(tried, room, own)
+            pieces = (_seen(item, layout.frame) for item in listed.items_of(room.id))
+            tried = with_furniture(tried, room, pieces)
         costs = prices(tried)
         better = [room for room in torn if costs[room.id] < painted[room.id] - TORN]
         if len(better) == len(torn):

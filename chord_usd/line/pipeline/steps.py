@@ -54,9 +54,11 @@ def read_plan(plan_file: Path, settings: Settings) -> Plan:
 
 def refuse_no_home(plan: Plan, plan_file: Path) -> None:
     """Raises PlanError for an office, a school or a shop."""
-    told = next((one for one in plan.extra.get("warnings", ()) if one.startswith(NO_HOME)), None)
-    if told:
-        raise PlanError(told, where=str(plan_file), expected="a home", try_="--anyway")
+    reason = next(
+        (warning for warning in plan.extra.get("warnings", ()) if warning.startswith(NO_HOME)), None
+    )
+    if reason:
+        raise PlanError(reason, where=str(plan_file), expected="a home", try_="--anyway")
 
 
 def refuse_shut(plan: Plan, plan_file: Path) -> None:
@@ -150,8 +152,8 @@ def plan_limits(plans: Sequence[Plan], settings: Settings) -> list[str]:
     from chord_usd.base.metrics.design.standard import keeping, standards_in
 
     graphs = [SceneGraph(plan.rooms, plan.openings, ()) for plan in plans]
-    kept = [keeping(one, graphs, of_plan=True) for one in standards_in(settings.standard)]
-    return [f"the plan cannot keep: {line}" for one in kept for line in one.lines]
+    kept = [keeping(standard, graphs, of_plan=True) for standard in standards_in(settings.standard)]
+    return [f"the plan cannot keep: {line}" for result in kept for line in result.lines]
 
 
 def refuse_roof(plan: Plan, settings: Settings) -> None:

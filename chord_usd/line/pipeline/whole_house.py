@@ -116,7 +116,7 @@ class House:
     def verdict(self) -> str | None:
         """Of the plan that is most likely read wrong; None where none was read from a drawing."""
         read = [str(made.plan.extra.get("verdict")) for made in self.storeys]
-        return next((one for one in ("wrong", "look", "right") if one in read), None)
+        return next((verdict for verdict in ("wrong", "look", "right") if verdict in read), None)
 
     @property
     def warnings(self) -> tuple[str, ...]:
