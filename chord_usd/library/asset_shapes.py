@@ -55,9 +55,9 @@ def relief_of(asset: Asset) -> Relief:
 @lru_cache(maxsize=256)
 def _read(path: Path, size_m: tuple[float, float, float]) -> Relief:
     def measure() -> Arrays:
-        seen, felt = triangles_m(path)
+        seen, colliders = triangles_m(path)
         arrays = {"seen": _from_above(seen, size_m)}
-        return {**arrays, "felt": _from_above(felt, size_m)} if len(felt) else arrays
+        return {**arrays, "felt": _from_above(colliders, size_m)} if len(colliders) else arrays
 
     arrays = kept(path, "reliefs", Path(__file__), measure)
     return Relief(arrays["seen"], size_m, arrays.get("felt"))
@@ -92,7 +92,7 @@ def triangles_m(path: Path) -> tuple[FloatArray, FloatArray]:
 
     stage = open_asset(path)
     transforms = UsdGeom.XformCache()
-    seen, felt = [np.zeros((0, 3, 3))], [np.zeros((0, 3, 3))]
+    seen, colliders = [np.zeros((0, 3, 3))], [np.zeros((0, 3, 3))]
     for prim in stage.Traverse():
         if not prim.IsA(UsdGeom.Gprim):
             continue
@@ -103,11 +103,11 @@ def triangles_m(path: Path) -> tuple[FloatArray, FloatArray]:
             if UsdGeom.Imageable(prim).ComputePurpose() != "guide":
                 seen.append(faces_m)
             if collides:
-                felt.append(faces_m)
+                colliders.append(faces_m)
         elif prim.IsA(UsdGeom.Cube) and collides:
             half = UsdGeom.Cube(prim).GetSizeAttr().Get() / 2
-            felt.append(_UPPER_SIDE * half @ matrix[:3, :3] + matrix[3, :3])
-    return np.concatenate(seen), np.concatenate(felt)
+            colliders.append(_UPPER_SIDE * half @ matrix[:3, :3] + matrix[3, :3])
+    return np.concatenate(seen), np.concatenate(colliders)
 
 
 def _faces_m(prim: Usd.Prim, matrix: FloatArray) -> FloatArray:
@@ -132,11 +132,10 @@ Arrays = dict[str, FloatArray]
 
 
 def kept(asset_path: Path, name: str, source: Path, measure: Callable[[], Arrays]) -> Arrays:
-    """What measure returns for an asset, or returned when it was asked last.
+    """The result of measure for an asset, from the cache where it is there.
 
-    name: of what is measured. source: the module that measures, whose change makes it anew. Only
-    assets in the cache are kept so; without complaint where it cannot be written. Held to seven
-    digits.
+    name: of the measurement. source: the module that measures; its change repeats the measurement.
+    Only results for assets in the cache are kept, to seven digits; a failure to write is ignored.
     """
     folder = asset_path.parent.parent
     if folder.parent != cache_folder():
@@ -207,9 +206,11 @@ def _boards(path: Path, asset: Asset) -> FloatArray:
     def find() -> dict[str, FloatArray]:
         seen_m, _ = triangles_m(path)
         inside = _compartments(_from_front(seen_m, asset.size_m), asset.size_m)
-        levelled = [board for one in inside if (board := _on_level(one, seen_m)) is not None]
-        found = [*levelled, *_top(asset)]
-        return {"boards": np.array(found, np.float64).reshape(-1, 6)}
+        levelled = [
+            board for compartment in inside if (board := _on_level(compartment, seen_m)) is not None
+        ]
+        boards = [*levelled, *_top(asset)]
+        return {"boards": np.array(boards, np.float64).reshape(-1, 6)}
 
     return kept(path, "boards", Path(__file__), find)["boards"]
 
@@ -239,7 +240,7 @@ def _compartments(depth: FloatArray, size_m: tuple[float, float, float]) -> list
     is_open = (depth > _LEAST_M[1]).astype(np.uint8)
     count, _, stats, _ = cv2.connectedComponentsWithStats(is_open, connectivity=4)
     cell_x, cell_z = size_m[0] / depth.shape[1], size_m[2] / depth.shape[0]
-    found = []
+    compartments = []
     for column, row, wide, high, cells in stats[1:count]:
         low, top = row * cell_z, (row + high) * cell_z
         is_small = wide * cell_x < _LEAST_M[0] or high * cell_z < _LEAST_M[2]
@@ -253,8 +254,8 @@ def _compartments(depth: FloatArray, size_m: tuple[float, float, float]) -> list
             top += _OPEN_ABOVE_M
         left = column * cell_x - size_m[0] / 2
         front = -size_m[1] / 2
-        found.append([left, front, low, left + wide * cell_x, front + deep, top])
-    return found
+        compartments.append([left, front, low, left + wide * cell_x, front + deep, top])
+    return compartments
 
 
 def _on_level(board: list[float], triangles: FloatArray) -> list[float] | None:
@@ -285,7 +286,7 @@ def _top(asset: Asset) -> list[list[float]]:
     return [[-length / 2, -depth / 2, height, length / 2, depth / 2, height + 0.45]]
 
 
-# What of an asset opens, and the boxes that it is felt as: read from its layers, not -------------
+# The leaves of an asset, and the boxes of its colliders: read from its layers, not -- -------------
 
 _JOINTS = ("PhysicsRevoluteJoint", "PhysicsPrismaticJoint")
 
@@ -295,8 +296,8 @@ class Openable:
     """An asset in its frame, at its size."""
 
     leaves: tuple[Leaf, ...]
-    felt_m: FloatArray
-    """(N, 2, 3) boxes that it is felt as while all is shut."""
+    colliders_m: FloatArray
+    """(N, 2, 3) boxes of its colliders while all is shut."""
 
 
 @lru_cache(maxsize=512)
@@ -308,11 +309,11 @@ def openable(interface: str) -> Openable | None:
     )
     if payload is None:
         return None
-    felt = [bounds for root in payload.rootPrims for bounds in _felt(payload, root)]
+    colliders = [bounds for root in payload.rootPrims for bounds in _collider_bounds(payload, root)]
     leaves = () if jointed is None else tuple(
         leaf for root in jointed.rootPrims for leaf in _leaves(jointed, root)
     )  # fmt: skip
-    return Openable(leaves, np.array(felt).reshape(-1, 2, 3))
+    return Openable(leaves, np.array(colliders).reshape(-1, 2, 3))
 
 
 def leaves_of(item: Item) -> list[Leaf]:
@@ -327,8 +328,8 @@ def leaves_of(item: Item) -> list[Leaf]:
     return [leaf.scaled(factor) for leaf in known.leaves]
 
 
-def felt_boxes(item: Item) -> Boxes:
-    """What a piece is felt as, in the world; its box without a mesh of this library."""
+def collider_boxes(item: Item) -> Boxes:
+    """Boxes of a piece's colliders, in the world; its box without a mesh of this library."""
     asset = item.asset
     if asset is None or layer_file(asset.usd_path, PAYLOAD_LAYER) is None:
         return Boxes.filling(item.box)
@@ -336,7 +337,7 @@ def felt_boxes(item: Item) -> Boxes:
     if known is None:
         return Boxes.filling(item.box)
     factor = np.array(item.box.size_m) / np.array(asset.size_m)
-    return Boxes.of(known.felt_m * factor).placed(item.box)
+    return Boxes.of(known.colliders_m * factor).placed(item.box)
 
 
 def _leaves(layer: Sdf.Layer, root: Sdf.PrimSpec) -> Iterator[Leaf]:
@@ -347,7 +348,7 @@ def _leaves(layer: Sdf.Layer, root: Sdf.PrimSpec) -> Iterator[Leaf]:
         body = layer.GetPrimAtPath(root.path.AppendChild(joint.name))
         at = np.array(_value(joint, "physics:localPos0"), dtype=float)
         limits = _value(joint, "physics:lowerLimit"), _value(joint, "physics:upperLimit")
-        boxes = np.array(list(_felt(layer, body))).reshape(-1, 2, 3) + at
+        boxes = np.array(list(_collider_bounds(layer, body))).reshape(-1, 2, 3) + at
         if len(boxes):
             yield Leaf(
                 joint.name, joint.typeName == _JOINTS[0],
@@ -355,7 +356,7 @@ def _leaves(layer: Sdf.Layer, root: Sdf.PrimSpec) -> Iterator[Leaf]:
             )  # fmt: skip
 
 
-def _felt(layer: Sdf.Layer, root: Sdf.PrimSpec) -> Iterator[FloatArray]:
+def _collider_bounds(layer: Sdf.Layer, root: Sdf.PrimSpec) -> Iterator[FloatArray]:
     """(2, 3) bounds of each collider below a prim, which is at the origin."""
     colliders = layer.GetPrimAtPath(root.path.AppendChild("Colliders"))
     for cube in colliders.nameChildren if colliders else ():

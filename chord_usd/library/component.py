@@ -142,7 +142,7 @@ def _add_geometry(stage: Usd.Stage, scope: str, design: Design, parts: Iterable[
 def _add_materials(
     stage: Usd.Stage, design: Design, parts: Iterable[Part], worn: Mapping[str, Looks]
 ) -> None:
-    """One material per slot in use, with what all colourways share, and what wears which."""
+    """Writes a material per slot in use, with the values all colourways share, and the bindings."""
     from pxr import UsdGeom, UsdShade
 
     UsdGeom.Scope.Define(stage, f"/{design.id}/Geometry")
@@ -156,7 +156,7 @@ def _add_materials(
 
 
 def used_slots(parts: Iterable[Part]) -> tuple[str, ...]:
-    """Slots that some part wears, in order of first use."""
+    """Slots of parts, in order of first use."""
     return tuple(dict.fromkeys(part.slot for part in parts))
 
 
@@ -170,17 +170,17 @@ def _add_colliders(stage: Usd.Stage, design: Design, parts: Iterable[Part]) -> N
 
     define_colliders(stage, f"/{design.id}/Colliders")
     for part in parts:
-        felt = [
+        colliders = [
             define_box(stage, f"/{design.id}/Colliders/{name}", bounds_m)
-            for name, bounds_m in part.felt_boxes_m().items()
+            for name, bounds_m in part.collider_boxes_m().items()
         ]
         if part.collider not in ("boundingCube", None):
             prim = stage.OverridePrim(f"/{design.id}/Geometry/{mesh_name(design, part.name)}")
             UsdPhysics.CollisionAPI.Apply(prim)
             mesh = UsdPhysics.MeshCollisionAPI.Apply(prim)
             mesh.CreateApproximationAttr(part.collider)
-            felt.append(prim)
-        bind_feel(design, part.slot, felt)
+            colliders.append(prim)
+        bind_feel(design, part.slot, colliders)
 
 
 def _write_interface(
@@ -203,8 +203,8 @@ def _write_prop(
     layer = detached(stage)
     _point(layer, design, parts, PAYLOADS.removeprefix(f"{PROP}/"))
     give_body(layer.GetPrimAtPath(f"/{design.id}"), body_of(design, parts))
-    told = provenance(design, info.author, info.licence, info.made, bounds_m)
-    layer.customLayerData = {"SimReady_Metadata": told}
+    metadata = provenance(design, info.author, info.licence, info.made, bounds_m)
+    layer.customLayerData = {"SimReady_Metadata": metadata}
     layer.Export(str(package / PROP / f"{design.id}.usda"))
 
 
@@ -255,7 +255,7 @@ def _offer(root: Usd.Prim, name: str, variants: Iterable[str]) -> None:
 
 
 def _about(design: Design, slots: Iterable[str], info: ComponentInfo) -> dict[str, Any]:
-    """What the root's customData says: who made it, what its colourways wear, where it shines."""
+    """The root's customData: makers, finishes of the colourways, places of light."""
     from pxr import Gf, Vt
 
     about: dict[str, Any] = {
@@ -352,7 +352,7 @@ def _sharing_materials(design: Design, parts: tuple[Part, ...]) -> tuple[Part, .
 
 
 def _worn(design: Design, slots: Sequence[str], maps: MapShelf) -> dict[str, Looks]:
-    """What each slot in use wears, colourway by colourway; fittings, then, of each metal."""
+    """The finishes of each slot in use, by colourway; of fittings also by metal."""
     fittings = fitting_slots(design, slots)
     worn = {}
     for slot in slots:

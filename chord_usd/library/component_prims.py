@@ -1,4 +1,4 @@
-"""Prims of a component: meshes, materials by slot, colliders that are felt like what they wear."""
+"""Prims of a component: meshes, materials by slot, colliders with physics materials."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def material_path(root: str, slot: str) -> str:
 
 
 def bind_feel(design: Design, slot: str, colliders: Iterable[Usd.Prim]) -> None:
-    """Colliders are felt like the finish that their part wears in the first colourway."""
+    """Binds colliders to the physics material of their part's finish in the first colourway."""
     from pxr import UsdShade
 
     looks = next(iter(design.colourways.values()))
@@ -113,7 +113,8 @@ def bind_feel(design: Design, slot: str, colliders: Iterable[Usd.Prim]) -> None:
 
 
 def define_colliders(stage: Usd.Stage, path: str) -> None:
-    """The scope of boxes that are felt, not seen; readers that leave them out leave it out, too."""
+    """The scope of colliders, which are not seen; readers that leave guides out leave it out,
+    too."""
     from pxr import UsdGeom
 
     UsdGeom.Scope.Define(stage, path).CreatePurposeAttr(UsdGeom.Tokens.guide)

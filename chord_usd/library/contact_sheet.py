@@ -168,7 +168,7 @@ def _triangles(prim: Usd.Prim) -> FloatArray:
 
 
 def _finish(prim: Usd.Prim) -> tuple[FloatArray, float]:
-    """(sRGB colour, opacity) of the material a mesh wears; a texture counts as light grey."""
+    """(sRGB colour, opacity) of the material of a mesh; a texture counts as light grey."""
     from pxr import UsdShade
 
     material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]

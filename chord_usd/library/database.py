@@ -90,7 +90,7 @@ class AssetDatabase:
 
     assets: tuple[Asset, ...]
     """Ids are unique."""
-    own: frozenset[str] = frozenset()
+    own_ids: frozenset[str] = frozenset()
     """Ids of the assets that the user brought, which go before the shipped ones."""
     prepare: Callable[[Asset], None] = _is_there
     """Called before an asset is handed out: draws it where it is not on disk yet."""
@@ -148,7 +148,7 @@ class AssetDatabase:
             candidates = tuple(low) or candidates
         candidates = tuple(a for a in candidates if _is_of(a, variety or "")) or candidates
         best = min(candidates, key=lambda asset: self._key(asset, size_m))
-        brought = [asset for asset in candidates if asset.id in self.own]
+        brought = [asset for asset in candidates if asset.id in self.own_ids]
         if brought:
             first = min(brought, key=lambda asset: self._key(asset, size_m))
             if _miss_m(first, size_m) <= _miss_m(best, size_m) + OWN_FIRST_M:
@@ -164,7 +164,7 @@ class AssetDatabase:
         """
         ranked = sorted(
             self.of_category(name),
-            key=lambda asset: (*self._key(asset, size_m)[:2], asset.id not in self.own),
+            key=lambda asset: (*self._key(asset, size_m)[:2], asset.id not in self.own_ids),
         )[:count]
         for asset in ranked:
             self.prepare(asset)
@@ -211,15 +211,15 @@ def load_database(
     An id that occurs twice counts where it is met first, so a folder can replace an embedded
     asset. Raises AssetError for a folder without a readable index.
     """
-    found: dict[str, Asset] = {}
+    assets: dict[str, Asset] = {}
     for folder in folders:
         for asset in read_index(folder):
-            found.setdefault(asset.id, asset)
-    own = frozenset(found)
+            assets.setdefault(asset.id, asset)
+    own_ids = frozenset(assets)
     for asset in embedded_assets(texture_px):
-        found.setdefault(asset.id, asset)
+        assets.setdefault(asset.id, asset)
     prepare = partial(draw_embedded, texture_px=texture_px)
-    return AssetDatabase(tuple(found.values()), own, prepare, style)
+    return AssetDatabase(tuple(assets.values()), own_ids, prepare, style)
 
 
 def read_index(folder: Path) -> tuple[Asset, ...]:

@@ -52,10 +52,10 @@ class Entry:
 @lru_cache(maxsize=1)
 def entries() -> dict[str, Entry]:
     """All designs by id, sorted by category and id."""
-    found = [entry for folder in FOLDERS for row in _rows(folder, "designs") for entry in
+    designs = [entry for folder in FOLDERS for row in _rows(folder, "designs") for entry in
              _family(folder, row)]  # fmt: skip
-    found.sort(key=lambda entry: (entry.category, entry.id))
-    return {entry.id: entry for entry in found}
+    designs.sort(key=lambda entry: (entry.category, entry.id))
+    return {entry.id: entry for entry in designs}
 
 
 @lru_cache(maxsize=len(FOLDERS))

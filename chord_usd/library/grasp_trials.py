@@ -51,13 +51,13 @@ class Trial:
             "tried": self.tried,
             "grasps": [
                 {
-                    "position": np.round(one.middle_m, 5).tolist(),
-                    "closes": np.round(one.axes[:, 0], 5).tolist(),
-                    "approach": np.round(one.axes[:, 2], 5).tolist(),
-                    "width": round(one.width_m, 5),
-                    "from_support": one.clears_floor(self.floor_m),
+                    "position": np.round(grasp.middle_m, 5).tolist(),
+                    "closes": np.round(grasp.axes[:, 0], 5).tolist(),
+                    "approach": np.round(grasp.axes[:, 2], 5).tolist(),
+                    "width": round(grasp.width_m, 5),
+                    "from_support": grasp.clears_floor(self.floor_m),
                 }
-                for one in self.held
+                for grasp in self.held
             ],
         }
 
@@ -103,7 +103,7 @@ def seen_mesh(interface: Path) -> trimesh.Trimesh:
     """All that is seen of an asset, in its frame, triangles with outward normals."""
     stage = open_stage(interface)
     frames = UsdGeom.XformCache()
-    found = []
+    meshes = []
     for prim in Usd.PrimRange(stage.GetDefaultPrim(), Usd.TraverseInstanceProxies()):
         shape = UsdGeom.Mesh(prim)
         if not shape or shape.ComputePurpose() == UsdGeom.Tokens.guide:
@@ -118,8 +118,8 @@ def seen_mesh(interface: Path) -> trimesh.Trimesh:
             for start, count in zip(starts, counts, strict=True)
             for k in range(1, count - 1)
         ]
-        found.append(trimesh.Trimesh(points, np.array(faces)))
-    whole = trimesh.util.concatenate(found)
+        meshes.append(trimesh.Trimesh(points, np.array(faces)))
+    whole = trimesh.util.concatenate(meshes)
     assert isinstance(whole, trimesh.Trimesh)
     return whole
 

@@ -28,7 +28,7 @@ TEXTURES = "textures"
 
 LOOK = "chord:look"
 """Attribute of a material: the name of its finish and a digest of all that it says, by which
-those of many components are known as one."""
+materials of many components are known as one."""
 
 _INPUTS = ("diffuseColor", "roughness", "metallic", "opacity", "emissiveColor")
 
@@ -62,7 +62,7 @@ class MapShelf:
 
 @dataclass(frozen=True, eq=False)
 class Looks:
-    """The finishes that a slot wears, one for each colourway, and what is drawn of them."""
+    """The finishes of a slot, one for each colourway, and their maps."""
 
     finishes: Sequence[Finish]
     names: Sequence[str]
@@ -73,11 +73,11 @@ class Looks:
     """For each colourway."""
 
     def __post_init__(self) -> None:
-        found = zip(self.finishes, self.maps, self.pictures, strict=True)
-        told = [_inputs(*one) for one in found]
-        for name, values in zip(self.names, told, strict=True):
+        sources = zip(self.finishes, self.maps, self.pictures, strict=True)
+        inputs = [_inputs(*source) for source in sources]
+        for name, values in zip(self.names, inputs, strict=True):
             values[f".{LOOK}"] = ("String", f"{name}_{_digest(values)}")
-        object.__setattr__(self, "inputs", told)
+        object.__setattr__(self, "inputs", inputs)
 
     def common(self) -> Values:
         """What is the same in all colourways."""
@@ -90,22 +90,22 @@ class Looks:
         return {k: said[k] for k in self._whole if k in self._varying}
 
     def overrides(self, index: int) -> Values:
-        """What a finish says over those of colourways: what is missing in it is left as it is."""
+        """Values of a finish over the values of colourways; missing values stay as they are."""
         return {k: value for k, value in self.inputs[index].items() if k in self._varying}
 
     @cached_property
     def _varying(self) -> set[str]:
         """Names of the inputs that are not the same in all colourways that have them."""
         first: Values = {}
-        each = [(name, value) for one in self.inputs for name, value in one.items()]
+        each = [(name, value) for values in self.inputs for name, value in values.items()]
         return {name for name, value in each if first.setdefault(name, value) != value}
 
     @cached_property
     def _whole(self) -> Values:
         """What the first colourway says and, where it is silent, others do: files for all."""
         whole: Values = {}
-        for one in reversed(self.inputs):
-            whole |= one
+        for values in reversed(self.inputs):
+            whole |= values
         if self.is_drawn:
             return whole
         return {name: value for name, value in whole.items() if not name.endswith(_WIRE)}
@@ -119,7 +119,7 @@ class Looks:
 def slot_looks(
     design_id: str, slot: str, finishes: Sequence[tuple[str, Finish]], shelf: MapShelf
 ) -> Looks:
-    """What a slot wears, its maps drawn. Raises OSError.
+    """The looks of a slot, their maps drawn. Raises OSError.
 
     finishes: with their names, of each colourway.
 
@@ -188,22 +188,22 @@ def _inputs(finish: Finish, maps: MapFiles | None, picture: str) -> Values:
         ("Color3f", colour * finish.glow),
     )
     named = dict(zip(_INPUTS, values, strict=True))
-    found: Values = {f"Surface.inputs:{k}": v for k, v in named.items()}
-    found[".semantics:labels:material"] = ("TokenArray", [stuff_of(finish)])
+    inputs: Values = {f"Surface.inputs:{k}": v for k, v in named.items()}
+    inputs[".semantics:labels:material"] = ("TokenArray", [stuff_of(finish)])
     for shader, fed, output, _ in _MAPS:
         source = f"{shader}.outputs:{output}" if maps else None
-        found[f"Surface.inputs:{fed}{_WIRE}"] = (_CONNECT, source)
+        inputs[f"Surface.inputs:{fed}{_WIRE}"] = (_CONNECT, source)
     if picture:
-        found[f"Surface.inputs:diffuseColor{_WIRE}"] = (_CONNECT, f"{_PICTURE}.outputs:rgb")
-        found[f"{_PICTURE}.inputs:file"] = ("Asset", Sdf.AssetPath(f"./{TEXTURES}/{picture}"))
+        inputs[f"Surface.inputs:diffuseColor{_WIRE}"] = (_CONNECT, f"{_PICTURE}.outputs:rgb")
+        inputs[f"{_PICTURE}.inputs:file"] = ("Asset", Sdf.AssetPath(f"./{TEXTURES}/{picture}"))
     if maps is None:
-        return found
+        return inputs
     for (shader, *_), name in zip(_MAPS, (maps.colour, maps.roughness, maps.normal), strict=True):
-        found[f"{shader}.inputs:file"] = ("Asset", Sdf.AssetPath(f"./{TEXTURES}/{name}"))
-    found["Roughness.inputs:scale"] = ("Float4", Gf.Vec4f(ROUGHNESS_RANGE * finish.roughness))
+        inputs[f"{shader}.inputs:file"] = ("Asset", Sdf.AssetPath(f"./{TEXTURES}/{name}"))
+    inputs["Roughness.inputs:scale"] = ("Float4", Gf.Vec4f(ROUGHNESS_RANGE * finish.roughness))
     repeats = Gf.Vec2f(1.0 / maps.tile_m[0], 1.0 / maps.tile_m[1])
-    found["Place.inputs:scale"] = ("Float2", repeats)
-    return found
+    inputs["Place.inputs:scale"] = ("Float2", repeats)
+    return inputs
 
 
 def _define_maps(stage: Usd.Stage, path: str, coordinates: UsdShade.Output) -> None:

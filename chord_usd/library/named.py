@@ -32,30 +32,30 @@ def with_found_assets(
     allowed = [*(folder.resolve() for folder in (home, *folders, cache_folder()))]
     named = {asset.usd_path: asset for asset in graph.assets()}
     shipped = {asset.id for asset in embedded_assets()}
-    found: dict[Path, Path] = {}
+    places: dict[Path, Path] = {}
     for path, asset in sorted(named.items()):
-        place = _found(path, home, allowed) or _same_here(asset, shipped, database)
+        place = _locate(path, home, allowed) or _same_here(asset, shipped, database)
         if place is None:
             continue
         if not _is_inside(place, allowed) or is_cached(place):
             place = _same_here(asset, shipped, database) or place
         _require_inside(place, scene, allowed)
-        found[path] = place
-    _require_layers([place for place in found.values() if not is_cached(place)])
+        places[path] = place
+    _require_layers([place for place in places.values() if not is_cached(place)])
     items, dressing = (
-        tuple(_with_assets(item, found) for item in all_) for all_ in (graph.items, graph.dressing)
+        tuple(_with_assets(item, places) for item in all_) for all_ in (graph.items, graph.dressing)
     )
     return replace(graph, items=items, dressing=dressing)
 
 
-def _with_assets(item: Item, found: dict[Path, Path]) -> Item:
-    place = found.get(item.asset.usd_path) if item.asset else None
+def _with_assets(item: Item, places: dict[Path, Path]) -> Item:
+    place = places.get(item.asset.usd_path) if item.asset else None
     asset = replace(item.asset, usd_path=place) if item.asset and place else None
-    children = tuple(_with_assets(child, found) for child in item.children)
+    children = tuple(_with_assets(child, places) for child in item.children)
     return replace(item, asset=asset, children=children)
 
 
-def _found(path: Path, home: Path, allowed: Sequence[Path]) -> Path | None:
+def _locate(path: Path, home: Path, allowed: Sequence[Path]) -> Path | None:
     """Where the path leads to: from the scene's folder or the cache, else from the current one into
     a folder that is allowed. None where nothing is there."""
     try:
@@ -92,7 +92,8 @@ def _require_inside(place: Path, scene: Path, allowed: Sequence[Path]) -> None:
 def _database_of(place: Path) -> Path | str:
     """The folder that --assets takes for an asset, where it lies in one."""
     return next(
-        (one for one in place.resolve().parents if (one / INDEX_NAME).is_file()), "DATABASE"
+        (folder for folder in place.resolve().parents if (folder / INDEX_NAME).is_file()),
+        "DATABASE",
     )
 
 

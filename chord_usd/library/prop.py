@@ -55,11 +55,11 @@ class Body:
 
 
 def body_of(design: Design, parts: Sequence[Part]) -> Body:
-    """Mass by the category; where it lies by the volumes and finishes of what is felt.
+    """Mass by the category; its distribution by the volumes and finishes of the colliders.
 
     Boxes count as solid, so that what is hollow turns as if its mass were spread over it.
     """
-    boxes, density = felt_by_density(design, parts)
+    boxes, density = colliders_by_density(design, parts)
     sides, middles = boxes[:, 1] - boxes[:, 0], boxes.mean(axis=1)
     mass_kg = usual_mass_kg(design.category, design.size_m)
     shares = np.maximum(sides.prod(axis=1), 1e-12) * density
@@ -77,24 +77,24 @@ def body_of(design: Design, parts: Sequence[Part]) -> Body:
     return Body(mass_kg, centre, moments, axes)
 
 
-def felt_by_density(design: Design, parts: Sequence[Part]) -> tuple[FloatArray, FloatArray]:
-    """(N, 2, 3) bounds of what is felt of a piece, and (N,) kilograms a cubic metre of each.
+def colliders_by_density(design: Design, parts: Sequence[Part]) -> tuple[FloatArray, FloatArray]:
+    """(N, 2, 3) bounds of a piece's colliders, and (N,) kilograms a cubic metre of each.
 
     Of what is soft or thin, which nothing collides with in a house, the bounds of its parts.
     """
     looks = next(iter(design.colourways.values()))
-    felt = [part for part in parts if part.collider is not None] or list(parts)
+    colliders = [part for part in parts if part.collider is not None] or list(parts)
     boxes, densities = [], []
-    for part in felt:
-        own = [*part.felt_boxes_m().values()] or [part.solid.bounds_m()]
-        boxes += own
-        densities += [feel_of(design.finishes[looks[part.slot]]).density_kg_per_m3] * len(own)
+    for part in colliders:
+        bounds = [*part.collider_boxes_m().values()] or [part.solid.bounds_m()]
+        boxes += bounds
+        densities += [feel_of(design.finishes[looks[part.slot]]).density_kg_per_m3] * len(bounds)
     return np.array(boxes), np.array(densities)
 
 
 def feel_soft(stage: Usd.Stage, bounds_m: FloatArray) -> None:
-    """Let what is soft or thin be felt as the box around it, (2, 3); by itself it has no collider,
-    which would only be a hindrance in a house."""
+    """Lets a soft or thin piece collide as the box around it, (2, 3); in a house it has no
+    collider, which would only be a hindrance."""
     from pxr import UsdGeom, UsdShade
 
     scope = stage.GetDefaultPrim().GetPath().AppendChild("Felt")

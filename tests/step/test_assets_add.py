@@ -114,7 +114,7 @@ def test_what_cannot_be_used_is_refused_and_the_rest_taken(tmp_path: Path) -> No
     assert [asset.id for asset in added.assets] == ["chair"]
     why = {refused.id: refused.why for refused in added.refused}
     assert set(why) == {"ship", "gone", "empty", "noise", "huge"}
-    assert "no category of ours fits 'spaceship'" in why["ship"]
+    assert "no known category fits 'spaceship'" in why["ship"]
     assert "missing" in why["gone"]
     assert "measures" in why["huge"]
 

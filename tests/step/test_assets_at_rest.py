@@ -41,7 +41,7 @@ def ends_of(chosen: Sequence[Design]) -> list[Design]:
 def test_what_is_seen_to_stand_is_felt_to_stand(design: Design) -> None:
     """Feet that nothing feels let a piece sink to its colliders, or tip over."""
     parts = design.parts()
-    felt = [box for part in parts for box in part.felt_boxes_m().values()]
+    felt = [box for part in parts for box in part.collider_boxes_m().values()]
     soles = np.array([box for box in felt if box[0, 2] < FOOT_M])
     for part in parts:
         low = part.solid.points_m
@@ -88,7 +88,7 @@ def _add_body(spec: Any, design: Design, at_m: tuple[float, float, float]) -> No
     body = spec.worldbody.add_body(pos=at_m)
     body.add_freejoint()
     parts = design.parts()
-    boxes = [bounds for part in parts for bounds in part.felt_boxes_m().values()]
+    boxes = [bounds for part in parts for bounds in part.collider_boxes_m().values()]
     mass = CATEGORIES[design.category].kg_per_m3 * float(np.prod(design.size_m))
     density = mass / sum(float(np.prod(high - low)) for low, high in boxes)
     for low, high in boxes:
@@ -128,7 +128,7 @@ def _fallen(design: Design, at_m: np.ndarray) -> np.ndarray:
     spec = mujoco.MjSpec()
     spec.option.timestep = STEP_S
     for part in design.parts():
-        for low, high in part.felt_boxes_m().values():
+        for low, high in part.collider_boxes_m().values():
             spec.worldbody.add_geom(
                 type=mujoco.mjtGeom.mjGEOM_BOX, size=(high - low) / 2, pos=(low + high) / 2
             )

@@ -68,8 +68,8 @@ def least_gap_m(design: Design) -> float:
     """The least that any leaf of a design keeps free to what is beside it and behind it."""
     parts = design.parts()
     base, *leaves = links_of(parts)
-    still = [box for piece in base.pieces for box in piece.felt_m]
-    fronts = {link.name: link.pieces[0].felt_m for link in leaves}
+    still = [box for piece in base.pieces for box in piece.colliders_m]
+    fronts = {link.name: link.pieces[0].colliders_m for link in leaves}
     least = np.inf
     for link in leaves:
         others = [box for name, boxes in fronts.items() if name != link.name for box in boxes]
@@ -93,7 +93,7 @@ def test_a_refrigerator_between_flush_neighbours_is_pulled_open(
     design: Design, puller: ModuleType, tmp_path: Path
 ) -> None:
     spec = puller.jointed_spec(puller.written(design, tmp_path))
-    face_y = min(box[0, 1] for box in links_of(design.parts())[1].pieces[0].felt_m)
+    face_y = min(box[0, 1] for box in links_of(design.parts())[1].pieces[0].colliders_m)
     for box in neighbours(design, face_y):
         size, middle = np.ptp(box, axis=0) / 2, box.mean(axis=0)
         spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=size, pos=middle)

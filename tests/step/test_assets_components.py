@@ -200,7 +200,7 @@ def test_what_people_move_is_felt_as_boxes_and_hulls_that_stand_on_boxes() -> No
     """Hulls rock on their many corners, and triangles are nothing that could move."""
     for design in ends(design for design in designs() if design.category in having("moved")):
         parts = design.parts()
-        boxes = [bounds for part in parts for bounds in part.felt_boxes_m().values()]
+        boxes = [bounds for part in parts for bounds in part.collider_boxes_m().values()]
         assert min(bounds[0, 2] for bounds in boxes) < 1e-3, design.id
         for part in parts:
             assert part.collider != "none", f"{design.id} {part.name}"

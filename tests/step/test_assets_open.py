@@ -78,7 +78,7 @@ def test_a_ball_in_a_drawer_travels_with_it(puller: ModuleType, folder: Path) ->
     chest = next(design for design in designs() if design.id.startswith("Chest_"))
     spec = puller.jointed_spec(puller.written(chest, folder))
     drawers = [link for link in links_of(chest.parts()) if isinstance(link.motion, Slide)]
-    bounds = np.array([b for piece in drawers[0].pieces for b in piece.felt_m])
+    bounds = np.array([b for piece in drawers[0].pieces for b in piece.colliders_m])
     low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
     ball = spec.worldbody.add_body(name="ball", pos=(low + high) / 2)
     ball.add_freejoint()

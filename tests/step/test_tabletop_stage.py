@@ -123,7 +123,7 @@ class TestTops:
     def test_the_rim_of_a_round_top_carries_nothing(self, database: AssetDatabase) -> None:
         """Its colliders stop short of it, and a vase there fell in a simulator."""
         relief = relief_of(database.named("Side_Table_Pedestal_56x56"))
-        seen = replace(relief, felt_m=None).free
+        seen = replace(relief, colliders_m=None).free
         assert 0.9 < relief.free.sum() / seen.sum() < 1.0
 
     def test_a_block_is_flat_to_its_edge(self, block: Asset) -> None:

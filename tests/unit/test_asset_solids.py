@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from shapely.affinity import scale
 
 from chord_usd.library.kit import solids
-from chord_usd.library.kit.joinery import felt_round
+from chord_usd.library.kit.joinery import round_colliders
 from chord_usd.library.kit.shading import corner_normals, corner_uvs_m
 from chord_usd.library.kit.solids import Solid
 
@@ -167,7 +167,7 @@ def test_the_blocks_of_a_round_top_stay_inside_it_and_near_its_rim(
     length, width = size
     top = solids.cylinder(0.5, 0.03, 0, 90).scaled(x=length, y=width)
     felt = shapely.union_all(
-        [shapely.box(*one.bounds_m()[:, :2].ravel()) for one in felt_round(top)]
+        [shapely.box(*one.bounds_m()[:, :2].ravel()) for one in round_colliders(top)]
     )
     disc = scale(shapely.Point(0, 0).buffer(0.5, 90), length, width)
     assert felt.difference(disc).area < 1e-4

@@ -407,11 +407,11 @@ def test_an_own_asset_without_the_tag_replaces_no_shipped_one_that_has_it() -> N
         Asset(name, "curtain", size_m, Path(f"{name}.usda"), tags=tags)
         for name, tags in (("Mine", ()), ("Shipped", ("open",)))
     )
-    stock = Stock(AssetDatabase((mine, shipped), own=frozenset(["Mine"])), "modern", Draws(0))
+    stock = Stock(AssetDatabase((mine, shipped), own_ids=frozenset(["Mine"])), "modern", Draws(0))
     assert stock.offered("curtain") == (mine,)
     assert stock.offered("curtain", "open") == (shipped,)
     tagged = replace(mine, tags=("open",))
-    stock = Stock(AssetDatabase((tagged, shipped), own=frozenset(["Mine"])), "modern", Draws(0))
+    stock = Stock(AssetDatabase((tagged, shipped), own_ids=frozenset(["Mine"])), "modern", Draws(0))
     assert stock.offered("curtain", "open") == (tagged,)
 
 

@@ -31,7 +31,7 @@ class Relief:
     """(rows, columns), first row at the back, first column at the left; 0 where nothing is."""
     size_m: tuple[float, float, float]
     """Length, width and height of the piece."""
-    felt_m: FloatArray | None = None
+    colliders_m: FloatArray | None = None
     """The same for the piece's colliders; None where all that is seen collides."""
 
     @cached_property
@@ -51,15 +51,15 @@ class Relief:
         Visible parts without a collider carry nothing in a simulator: the rim of a round top.
         """
         free = np.abs(self.heights_m - self.level_m) <= LEVEL_M
-        if self.felt_m is not None:
-            free &= self.felt_m >= self.level_m - LEVEL_M
+        if self.colliders_m is not None:
+            free &= self.colliders_m >= self.level_m - LEVEL_M
         return np.asarray(free, np.bool_)
 
     def scaled(self, size_m: tuple[float, float, float]) -> Relief:
         """The relief of the same piece at another size."""
         share = size_m[2] / self.size_m[2]
-        felt_m = None if self.felt_m is None else self.felt_m * share
-        return Relief(self.heights_m * share, size_m, felt_m)
+        colliders_m = None if self.colliders_m is None else self.colliders_m * share
+        return Relief(self.heights_m * share, size_m, colliders_m)
 
     def under(self, box: Box) -> tuple[BoolArray, tuple[slice, slice]]:
         """The cells whose centres lie under a box: a mask, and the window of cells it is of.

@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.library.bath.rims import felt_bowl
+from chord_usd.library.bath.rims import bowl_colliders
 from chord_usd.library.bath.taps import tub_tap
-from chord_usd.library.kit.joinery import felt_around
+from chord_usd.library.kit.joinery import colliders_around
 from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
@@ -57,7 +57,9 @@ def bathtub(size_m: Size, *, kind: TubKind = "built_in") -> tuple[Part, ...]:
     at = -inner_l / 2 + 0.036
     tub = loft([*_tub_skin(size_m, kind), *hollow])
     parts = [
-        Part("Tub", tub, "ceramic", felt=_felt_tub(tub, hollow[0][:, :2], rim, floor, kind)),
+        Part(
+            "Tub", tub, "ceramic", colliders=_tub_colliders(tub, hollow[0][:, :2], rim, floor, kind)
+        ),
         Part("Drain", drain.moved(-inner_l * 0.27, 0.0, floor + 0.0005), "metal", collider=None),
         Part(
             "Overflow",
@@ -82,16 +84,16 @@ def bathtub(size_m: Size, *, kind: TubKind = "built_in") -> tuple[Part, ...]:
     return (*parts, Part("Tap", tap, "metal", collider=None, above=True))
 
 
-def _felt_tub(
+def _tub_colliders(
     tub: Solid, mouth: FloatArray, rim: float, floor: float, kind: TubKind
 ) -> tuple[Solid, ...]:
     """Its sides and its floor. mouth: (N, 2) where the hollow begins; rim: width around it."""
     if kind == "built_in":
         length, width = (float(side) for side in np.ptp(mouth, axis=0))
-        return (*felt_around(tub, [mouth]), box((length, width, floor)))
+        return (*colliders_around(tub, [mouth]), box((length, width, floor)))
     low_m, height = (float(corner[2]) for corner in tub.bounds_m())
     middles = mouth * (1.0 + rim / np.abs(mouth).max(axis=0))
-    return felt_bowl(middles, rim, low_m, floor, height)
+    return bowl_colliders(middles, rim, low_m, floor, height)
 
 
 def _tub_skin(size_m: Size, kind: TubKind) -> list[FloatArray]:

@@ -10,7 +10,7 @@ from chord_usd.library.kit.joinery import (
     FRONT_M,
     HANDLE_M,
     cells,
-    felt_around,
+    colliders_around,
     plinth,
     shifted,
 )
@@ -126,17 +126,17 @@ def _machine(
     ]
     hoop = joined([hoop.turned("x", 90).moved(**door_at), grip])
     hatch = door(hoop, hung="left", inside="nothing")
-    felt = _up_to(hoop, y)
+    collider = _up_to(hoop, y)
     lip = lip.turned("x", 90).moved(**door_at)
-    tub, tub_felt = _tub(drum + 0.03, width - front_m - 0.06, y + front_m, centre_z)
+    tub, tub_colliders = _tub(drum + 0.03, width - front_m - 0.06, y + front_m, centre_z)
     parts = (
         Part("Casing", body + face, "machine", hollow=(body,), still=face,
-             still_felt=felt_around_upright(face, drum, centre_z)),
+             still_colliders=colliders_around_upright(face, drum, centre_z)),
         Part("Feet", joined(foot), "rubber", None),
         Part("Drawer", drawer + flap, "trim", None),
         Part("Seams", joined([*seam, pull]), "seam", None),
-        Part("Hoop", hoop, "hoop", None, moves=(Moving(hatch, hoop, (felt,)),)),
-        Part("Lip", lip, "hoop", None, still=lip + tub, still_felt=tub_felt),
+        Part("Hoop", hoop, "hoop", None, moves=(Moving(hatch, hoop, (collider,)),)),
+        Part("Lip", lip, "hoop", None, still=lip + tub, still_colliders=tub_colliders),
         moving_part("Door_Glass", [lens.turned("x", 90).moved(**door_at)], "dark_glass", [hatch],
                     None),
         Part("Dial", dial, "hoop", None),
@@ -154,7 +154,7 @@ def _up_to(solid: Solid, y: float) -> Solid:
 
 
 def _tub(radius: float, deep: float, y: float, z: float) -> tuple[Solid, tuple[Solid, ...]]:
-    """A drum that is open towards -y, and the boards that it is felt as: a square around it."""
+    """A drum that is open towards -y, and its colliders: a square of boards around it."""
     wall = 0.004
     profile = [(0.0, 0.0), (radius, 0.0), (radius, deep), (radius - wall, deep),
                (radius - wall, wall), (0.0, wall)]  # fmt: skip
@@ -162,13 +162,13 @@ def _tub(radius: float, deep: float, y: float, z: float) -> tuple[Solid, tuple[S
     plate = box((2 * radius, deep, 0.01))
     side = box((0.01, deep, 2 * radius))
     middle = y + deep / 2
-    felt = [plate.moved(y=middle, z=z - radius - 0.01), plate.moved(y=middle, z=z + radius)]
-    felt += pair(side.moved(y=middle, z=z - radius), x=radius + 0.005)
-    return tub, tuple(felt)
+    colliders = [plate.moved(y=middle, z=z - radius - 0.01), plate.moved(y=middle, z=z + radius)]
+    colliders += pair(side.moved(y=middle, z=z - radius), x=radius + 0.005)
+    return tub, tuple(colliders)
 
 
-def felt_around_upright(face: Solid, radius: float, z: float) -> tuple[Solid, ...]:
-    """Boards around a round hole in an upright sheet, to be felt in its place."""
+def colliders_around_upright(face: Solid, radius: float, z: float) -> tuple[Solid, ...]:
+    """Boards around a round hole in an upright sheet, which collide in its place."""
     low, high = face.bounds_m()
     deep, y = float(high[1] - low[1]), float(low[1] + high[1]) / 2
     length, x = float(high[0] - low[0]), float(low[0] + high[0]) / 2
@@ -234,7 +234,7 @@ def _sink_side(case_l: float, x: float, size_m: Size, top: float, form: FrontFor
         hollow_part("Sink_Body", case),
         Part("Sink_Upper_Body", joined([*rims, back]), "body", collider=None),
         *kitchen_fronts(face, y, form),
-        Part("Worktop", plate, "worktop", felt=felt_around(plate, [hole])),
+        Part("Worktop", plate, "worktop", colliders=colliders_around(plate, [hole])),
         Part("Bowl", bowl, "ceramic", collider=None, above=True),
         Part("Tap", tap, "tap", collider=None, above=True),
     ]

@@ -1,6 +1,6 @@
-"""Round hollow things as boxes, which is what solvers feel: rows along a rim, strips of a floor.
+"""Colliders of round hollow things, as boxes: rows along a rim, strips of a floor.
 
-Solvers make one hull of a mesh, in which nothing can lie; a box is felt as it is.
+Solvers make one hull of a mesh, in which nothing can lie; a box collides as it is.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ _ALIKE_M = 0.005
 """Strips whose ends differ by less are one."""
 
 
-def felt_bowl(
+def bowl_colliders(
     line_m: FloatArray, thick_m: float, low_m: float, floor_m: float, high_m: float
 ) -> tuple[Solid, ...]:
     """Walls around the middle line of a rim, (N, 2), from low_m to high_m, and a floor between them
     up to floor_m."""
     return (
-        *felt_along(line_m, thick_m, low_m, high_m),
-        *felt_floor(line_m, low_m, floor_m),
+        *colliders_along(line_m, thick_m, low_m, high_m),
+        *floor_colliders(line_m, low_m, floor_m),
     )
 
 
-def felt_along(
+def colliders_along(
     line_m: FloatArray, thick_m: float, low_m: float, high_m: float
 ) -> tuple[Solid, ...]:
     """Boxes from low_m to high_m that follow an outline, (N, 2); as long as they can be where it
@@ -42,13 +42,13 @@ def felt_along(
         across = np.abs(end - start).min()
         count = max(1, math.ceil(across / _STEP_M))
         for n in range(count):
-            one, other = (start + (end - start) * k / count for k in (n, n + 1))
-            middle, size = (one + other) / 2, np.abs(other - one) + thick_m
+            first, second = (start + (end - start) * k / count for k in (n, n + 1))
+            middle, size = (first + second) / 2, np.abs(second - first) + thick_m
             boxes.append(_upright(middle, size, low_m, high_m))
     return tuple(boxes)
 
 
-def felt_floor(outline_m: FloatArray, low_m: float, high_m: float) -> tuple[Solid, ...]:
+def floor_colliders(outline_m: FloatArray, low_m: float, high_m: float) -> tuple[Solid, ...]:
     """Strips along x that fill an outline, (N, 2), from low_m to high_m."""
     area = shapely.Polygon(outline_m)
     left, near, right, far = area.bounds

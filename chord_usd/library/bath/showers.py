@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from chord_usd.base.scene.types import FloatArray
-from chord_usd.library.bath.rims import felt_bowl
+from chord_usd.library.bath.rims import bowl_colliders
 from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
@@ -48,9 +48,9 @@ def shower(
     cover = lathe([(0.046, 0.004), (0.046, 0.0075), (0.042, 0.009), (0, 0.009)], 32)
     drain = rim + cover
     return (
-        Part("Tray", tray, "ceramic", felt=_felt_tray(line)),
+        Part("Tray", tray, "ceramic", colliders=_tray_colliders(line)),
         Part("Drain", drain.moved(x, drain_y, 0.022), "metal", collider=None),
-        Part("Glass", joined(panes), "glass", felt=panes),
+        Part("Glass", joined(panes), "glass", colliders=panes),
         Part("Profiles", frame, "metal", collider=None),
         *_riser(x, width / 2, height),
     )
@@ -59,10 +59,10 @@ def shower(
 _TRAY_M, _RIM_M = 0.07, 0.05
 
 
-def _felt_tray(line: FloatArray) -> tuple[Solid, ...]:
+def _tray_colliders(line: FloatArray) -> tuple[Solid, ...]:
     """Rim and floor of a tray with this outline, (N, 2)."""
     rim = line * (1.0 - _RIM_M / 2 / np.abs(line).max(axis=0))
-    return felt_bowl(rim, _RIM_M, 0.0, 0.03, _TRAY_M)
+    return bowl_colliders(rim, _RIM_M, 0.0, 0.03, _TRAY_M)
 
 
 def _tray(length: float, width: float) -> Solid:

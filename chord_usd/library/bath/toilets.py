@@ -169,9 +169,9 @@ def _works_lid(plate: Solid, works_y: float) -> Part:
     works_y -= CLEAR_M
     leaf = Leaf("Lid", Hinge((0.0, works_y, float(high[2])), "x", -_LID_DEG), inside="nothing")
     deep = works_y - float(low[1])
-    felt = box((float(high[0] - low[0]), deep, float(high[2] - low[2])))
-    felt = felt.moved(y=float(low[1]) + deep / 2, z=float(low[2]))
-    return Part("Lid", plate, "seat", moves=(Moving(leaf, plate, (felt,)),))
+    collider = box((float(high[0] - low[0]), deep, float(high[2] - low[2])))
+    collider = collider.moved(y=float(low[1]) + deep / 2, z=float(low[2]))
+    return Part("Lid", plate, "seat", moves=(Moving(leaf, plate, (collider,)),))
 
 
 def _seat_ring(length: float, width: float, thick: float, back: float) -> Solid:

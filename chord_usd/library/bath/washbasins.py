@@ -7,14 +7,14 @@ from typing import Literal
 
 import numpy as np
 
-from chord_usd.library.bath.rims import felt_bowl
+from chord_usd.library.bath.rims import bowl_colliders
 from chord_usd.library.bath.taps import (
     BasinTap,
     basin_tap,
     plate_tap,
     tall_basin_tap,
 )
-from chord_usd.library.kit.joinery import FRONT_M, cells, felt_around
+from chord_usd.library.kit.joinery import FRONT_M, cells, colliders_around
 from chord_usd.library.kit.model import Part, hollow_part
 from chord_usd.library.kit.solids import (
     Size,
@@ -78,16 +78,16 @@ def sunk_bowl(length: float, width: float, deep: float, corner: float) -> Solid:
     return loft(rings)
 
 
-def _felt_sunk(length: float, width: float, deep: float, slab: float) -> tuple[Solid, ...]:
+def _sunk_colliders(length: float, width: float, deep: float, slab: float) -> tuple[Solid, ...]:
     """Of a sunk bowl: what hangs down below a slab."""
     line = ring(length - 0.02, width - 0.02, 0.06, 0.0, 3)[:, :2]
-    return felt_bowl(line, 0.02, -deep - 0.012, -deep, max(-slab, -deep + 0.01))
+    return bowl_colliders(line, 0.02, -deep - 0.012, -deep, max(-slab, -deep + 0.01))
 
 
 def _at_each(
-    felt: Sequence[Solid], places: Sequence[float], y: float, z: float
+    colliders: Sequence[Solid], places: Sequence[float], y: float, z: float
 ) -> tuple[Solid, ...]:
-    return tuple(one.moved(x, y, z) for x in places for one in felt)
+    return tuple(solid.moved(x, y, z) for x in places for solid in colliders)
 
 
 def _open_case(length: float, y: float, back: float, low: float, high: float) -> Part:
@@ -102,8 +102,8 @@ def _open_case(length: float, y: float, back: float, low: float, high: float) ->
         *(wall.moved(y=at, z=z + 0.0006) for at in (y + 0.0095, back - 0.0095)),
     ]
     return Part(
-        "Body", joined([body, *upper]), "body", felt=(body, *upper), hollow=(body,),
-        still=joined(upper), still_felt=tuple(upper),
+        "Body", joined([body, *upper]), "body", colliders=(body, *upper), hollow=(body,),
+        still=joined(upper), still_colliders=tuple(upper),
     )  # fmt: skip
 
 
@@ -126,15 +126,15 @@ def vanity(
     outline = ring(length, width, 0.006, 0.0, 2)[:, :2]
     plate = extruded(outline, _SLAB_M, holes).moved(z=top)
     sunk = [sunk_bowl(bowl_l, bowl_w, _BOWL_DEEP_M, 0.07).moved(x, at_y, height) for x in places]
-    felt = _felt_sunk(bowl_l, bowl_w, _BOWL_DEEP_M, _SLAB_M)
+    colliders = _sunk_colliders(bowl_l, bowl_w, _BOWL_DEEP_M, _SLAB_M)
     drains = [_drain(x, at_y, height - _BOWL_DEEP_M - 0.001) for x in places]
     taps = [basin_tap(tap).moved(x, width / 2 - _TAP_M, height - 0.001) for x in places]
     foot = block((length * 0.86, width - 0.16, _PLINTH_M + 0.002)).moved(y=0.075)
     return (
         _open_case(length - 0.004, y, width / 2 - 0.001, _PLINTH_M, top),
         *kitchen_fronts(face, y, form, drawers=True),
-        Part("Basin", plate, "ceramic", felt=felt_around(plate, holes)),
-        Part("Bowl", joined(sunk), "ceramic", felt=_at_each(felt, places, at_y, height)),
+        Part("Basin", plate, "ceramic", colliders=colliders_around(plate, holes)),
+        Part("Bowl", joined(sunk), "ceramic", colliders=_at_each(colliders, places, at_y, height)),
         Part("Drain", joined(drains), "metal", collider=None),
         Part("Tap", joined(taps), "metal", collider=None, above=True),
         Part("Plinth", foot, "plinth"),
@@ -182,13 +182,13 @@ def _vessel(kind: VesselKind, radius: float, rise: float) -> Solid:
     return lathe([*soft, (0.0, 0.014)], 44)
 
 
-def _felt_vessel(bowl: Solid) -> tuple[Solid, ...]:
+def _vessel_colliders(bowl: Solid) -> tuple[Solid, ...]:
     """Its rim and its floor."""
     low, high = bowl.bounds_m()
     length, width, rise = (float(side) for side in high - low)
     inner = ring(length - 0.024, width - 0.024, min(length, width) / 2 - 0.012, 0.0, 5)[:, :2]
     at = low + (high - low) * (0.5, 0.5, 0.0)
-    return tuple(one.moved(*at) for one in felt_bowl(inner, 0.024, 0.0, 0.016, rise))
+    return tuple(solid.moved(*at) for solid in bowl_colliders(inner, 0.024, 0.0, 0.016, rise))
 
 
 def vessel_unit(
@@ -220,7 +220,7 @@ def vessel_unit(
         hollow_part("Body", case.moved(y=y + depth / 2, z=base)),
         *kitchen_fronts(face, y, form),
         Part("Counter", block((length, width, top), 0.003).moved(z=counter - top), "counter"),
-        Part("Bowl", bowl, "vessel", felt=_felt_vessel(bowl)),
+        Part("Bowl", bowl, "vessel", colliders=_vessel_colliders(bowl)),
         Part("Drain", drain, "metal", collider=None),
         Part("Tap", tap, "metal", collider=None, above=True),
     )
@@ -238,7 +238,7 @@ def console(size_m: Size) -> tuple[Part, ...]:
     outline = ring(length, width, 0.01, 0.0, 3)[:, :2]
     plate = extruded(outline, slab, holes).moved(z=height - slab)
     sunk = [sunk_bowl(bowl_l, bowl_w, slab - 0.02, 0.03).moved(x, at_y, height) for x in places]
-    felt = _felt_sunk(bowl_l, bowl_w, slab - 0.02, slab)
+    colliders = _sunk_colliders(bowl_l, bowl_w, slab - 0.02, slab)
     x, y = length / 2 - leg_m / 2 - 0.004, width / 2 - leg_m / 2 - 0.004
     leg = block((leg_m, leg_m, height - slab + 0.001), 0.002)
     frame = at_corners(leg, x, y)
@@ -253,15 +253,15 @@ def console(size_m: Size) -> tuple[Part, ...]:
         for at in places
     ]
     return (
-        Part("Basin", plate, "ceramic", felt=felt_around(plate, holes)),
-        Part("Bowl", joined(sunk), "ceramic", felt=_at_each(felt, places, at_y, height)),
+        Part("Basin", plate, "ceramic", colliders=colliders_around(plate, holes)),
+        Part("Bowl", joined(sunk), "ceramic", colliders=_at_each(colliders, places, at_y, height)),
         Part(
             "Drain",
             joined([_drain(at, at_y, height - slab + 0.019) for at in places]),
             "metal",
             collider=None,
         ),
-        Part("Frame", joined(frame), "handle", felt=tuple(frame)),
+        Part("Frame", joined(frame), "handle", colliders=tuple(frame)),
         Part("Board", board, "counter"),
         Part("Trap", joined(pipe), "metal", collider=None),
         Part("Tap", joined(taps), "metal", collider=None, above=True),
@@ -324,7 +324,7 @@ def pedestal_basin(size_m: Size, *, tap: BasinTap = "lever") -> tuple[Part, ...]
             "Basin",
             basin,
             "ceramic",
-            felt=(*felt_around(basin, [inner[0][:, :2]]), sunk),
+            colliders=(*colliders_around(basin, [inner[0][:, :2]]), sunk),
         ),
         Part("Column", loft(column), "ceramic"),
         Part("Drain", _drain(0.0, -width * 0.085, height - 0.1365), "metal", collider=None),

@@ -165,7 +165,7 @@ def _pillows(
         uvs = np.concatenate([uvs for _, uvs in pieces])
         slot = "pillow" if row == 0 and len(leans) > 1 else "sheet"
         name = "Pillows" if row == 0 else "Front_Pillows"
-        parts.append(Part(name, joined([one for one, _ in pieces]), slot, None, uvs=uvs))
+        parts.append(Part(name, joined([solid for solid, _ in pieces]), slot, None, uvs=uvs))
         back -= 0.17
     return tuple(parts)
 
@@ -251,7 +251,7 @@ def _low(length: float, height: float, thick: float, back: float) -> tuple[Part,
         for row in range(3)
     ]
     ledge = block((length, thick, 0.024), 0.003).moved(z=height - 0.024)
-    made = joined([*(one.moved(y=0.004) for one in boards), ledge])
+    made = joined([*(board.moved(y=0.004) for board in boards), ledge])
     return (Part("Headboard", made.moved(y=back - thick / 2), "frame"),)
 
 

@@ -49,15 +49,15 @@ def laid(duvet: Duvet) -> dict[str, Made]:
     middle_y = (duvet.reach_m - duvet.hang_m) / 2
     top = _dropped(wide, deep, (0.0, middle_y, 0.05), duvet, bed)
     whole = _finished(*top, duvet.thick_m, (0.0, 0.6, -0.12))
-    found = {"duvet": stuffed_unevenly(whole, duvet.bending > 1.0, duvet.seed)}
+    cloths = {"duvet": stuffed_unevenly(whole, duvet.bending > 1.0, duvet.seed)}
     if duvet.turned_m:
         under = [*bed, Solid(whole[0], whole[1])]
         y = duvet.reach_m - duvet.turned_m / 2 + 0.015
         lift = float(whole[0][:, 2].max()) + 0.01
         band = _dropped(wide - 0.04, duvet.turned_m, (0.0, y, lift), duvet, under)
         end = _finished(*band, 0.6 * duvet.thick_m, (0.0, y, -0.1))
-        found["band"] = stuffed_unevenly(end, duvet.bending > 1.0, duvet.seed)
-    return found
+        cloths["band"] = stuffed_unevenly(end, duvet.bending > 1.0, duvet.seed)
+    return cloths
 
 
 def stuffed_unevenly(made: Made, is_smooth: bool, seed: int) -> Made:
@@ -98,11 +98,11 @@ def _dropped(
     start = rest * (1.0 - duvet.slack) + at
     start[..., 2] += 0.03 * _bumps(x, y, rng, 26, 0.12)
     fabric = Fabric(bending=duvet.bending, self_collision=False, gap_m=0.012, mass_kg=0.2)
-    found = draped(
+    settled = draped(
         start.reshape(-1, 3), grid_faces(rows, columns), fabric, 45,
         obstacles=under, rest_m=rest.reshape(-1, 3),
     ).reshape(rest.shape)  # fmt: skip
-    return smoothed(found, 1)[::2, ::2], rest[::2, ::2, :2]
+    return smoothed(settled, 1)[::2, ::2], rest[::2, ::2, :2]
 
 
 def _bumps(

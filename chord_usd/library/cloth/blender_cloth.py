@@ -67,9 +67,9 @@ def draped(
     _dress(cloth, fabric, "Pinned" if len(pinned) else "", frames)
     for frame in range(1, frames + 1):
         scene.frame_set(frame)
-    found = cloth.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    evaluated = cloth.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     flat = np.empty(3 * len(points_m), dtype=np.float32)
-    found.vertices.foreach_get("co", flat)
+    evaluated.vertices.foreach_get("co", flat)
     return flat.reshape(-1, 3).astype(np.float64)
 
 

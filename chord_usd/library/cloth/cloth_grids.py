@@ -42,7 +42,7 @@ class Bag:
     points_m: FloatArray
     """(N, 3), flat but for the swell: their x and y are the coordinates on the cloth."""
     top: np.ndarray
-    """(rows + 1, columns + 1) indices of points; those of the edge are also the bottom's."""
+    """(rows + 1, columns + 1) indices of points; points of the edge are also the bottom's."""
     bottom: np.ndarray
 
     def faces(self) -> np.ndarray:
@@ -56,9 +56,9 @@ def _turned(index: np.ndarray) -> np.ndarray:
     # Diagonals run out of the corners: cut off, a corner of a bag would be a face twice.
     rows, columns = len(index) - 1, index.shape[1] - 1
     is_left, is_upper = np.arange(columns) < columns / 2, np.arange(rows) < rows / 2
-    odd = (is_upper[:, None] == is_left[None, :]).ravel()
-    first = np.where(odd[:, None], np.stack([a, b, c], -1), np.stack([a, b, d], -1))
-    second = np.where(odd[:, None], np.stack([a, c, d], -1), np.stack([b, c, d], -1))
+    same_side = (is_upper[:, None] == is_left[None, :]).ravel()
+    first = np.where(same_side[:, None], np.stack([a, b, c], -1), np.stack([a, b, d], -1))
+    second = np.where(same_side[:, None], np.stack([a, c, d], -1), np.stack([b, c, d], -1))
     return np.concatenate([first, second])
 
 

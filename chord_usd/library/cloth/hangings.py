@@ -60,13 +60,13 @@ def hung(hanging: Hanging) -> tuple[FloatArray, np.ndarray, FloatArray]:
     rest[..., 0] = np.linspace(-cloth_m / 2, cloth_m / 2, columns)
     rest[..., 2] = grid[..., 2]
     fabric = Fabric(bending=0.3, self_collision=False, gap_m=0.004)
-    found = draped(
+    settled = draped(
         grid.reshape(-1, 3), grid_faces(*grid.shape[:2]), fabric, 70, pinned,
         rest_m=rest.reshape(-1, 3),
     ).reshape(grid.shape)  # fmt: skip
     count = min(_MOST_TRIANGLES // (2 * columns), _MOST_ROWS)
     kept = np.unique(np.round(_ROWS * np.linspace(0.0, 1.0, count) ** 1.25).astype(int))
-    points = found[kept]
+    points = settled[kept]
     v = np.broadcast_to(grid[kept, :1, 2], points.shape[:2])
     uvs = np.stack([rest[kept, :, 0], v], axis=-1)
     return points.reshape(-1, 3), grid_faces(*points.shape[:2]), uvs.reshape(-1, 2)

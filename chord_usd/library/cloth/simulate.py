@@ -44,16 +44,16 @@ _DUVETS = {
 
 def makers() -> dict[str, Callable[[], dict[str, Made]]]:
     """How the stored cloths are made: some hang together and are made at once."""
-    found: dict[str, Callable[[], dict[str, Made]]] = {}
+    by_name: dict[str, Callable[[], dict[str, Made]]] = {}
     for name, hanging in _HANGINGS.items():
-        found[name] = partial(_alone, name, hung, hanging)
+        by_name[name] = partial(_alone, name, hung, hanging)
     for name, duvet in _DUVETS.items():
-        found[name] = partial(_layers, name, duvet)
+        by_name[name] = partial(_layers, name, duvet)
     for name, length, drop in (("towel_long", 0.46, 0.5), ("towel_short", 0.3, 0.34)):
-        found[name] = partial(_alone, name, over_rail, length, drop, 9)
+        by_name[name] = partial(_alone, name, over_rail, length, drop, 9)
     for name, length, seed in (("coat_long", 1.0, 3), ("coat_short", 0.72, 4)):
-        found[name] = partial(_alone, name, coat, length, seed)
-    return found
+        by_name[name] = partial(_alone, name, coat, length, seed)
+    return by_name
 
 
 def _alone(name: str, make: Callable[..., Made], *about: object) -> dict[str, Made]:
@@ -91,11 +91,11 @@ def coat(length_m: float, seed: int) -> Made:
         at = (side * 0.2, 0.0, -0.07)
         tubes.append(_tube((0.05, 0.06, 0.055), (0.04, 0.045, 0.04), 0.58, 0.4, at, seed + side))
     points, faces, uvs, count = [], [], [], 0
-    for found, quads, flat in tubes:
-        points.append(found)
+    for grid, quads, flat in tubes:
+        points.append(grid)
         faces.append(quads + count)
         uvs.append(flat)
-        count += len(found)
+        count += len(grid)
     return np.concatenate(points), np.concatenate(faces), np.concatenate(uvs)
 
 
@@ -131,12 +131,12 @@ def _tube(
     after = np.roll(index, -1, axis=1)
     quads = np.stack([index[:-1], after[:-1], after[1:], index[1:]], axis=-1).reshape(-1, 4)
     wall = box((2.0, 0.2, 3.0)).moved(y=_WALL_M + 0.1, z=-2.0)
-    found = draped(
+    settled = draped(
         start[:, :-1].reshape(-1, 3), quads, Fabric(bending=0.6, self_collision=False, gap_m=0.004),
         40, list(index[:4].ravel()), [wall], rest_m=cut[:, :-1].reshape(-1, 3),
     ).reshape(rows, columns, 3)  # fmt: skip
     # The seam is closed in space and open on the cloth.
-    grid = np.concatenate([found, found[:, :1]], axis=1)
+    grid = np.concatenate([settled, settled[:, :1]], axis=1)
     points = smoothed(grid, 1)
     points[:, -1] = points[:, 0] = (points[:, -1] + points[:, 0]) / 2
     # Every second line shows all folds that there are.

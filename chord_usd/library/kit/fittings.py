@@ -1,4 +1,5 @@
-"""Taps, handles, rails: the parts whose metal a home agrees on, whatever else a piece wears."""
+"""Taps, handles, rails: the parts whose metal a home agrees on, whatever the colourway of the
+piece."""
 
 from __future__ import annotations
 

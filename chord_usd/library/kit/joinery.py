@@ -35,12 +35,12 @@ HANDLE_M = 0.03
 """How far a bar handle stands out of its front."""
 
 _UPRIGHT_M, _LEAN_BLOCKS = 0.02, 4
-"""A leg that leans by more is felt as so many blocks."""
+"""A leg that leans by more collides as so many blocks."""
 
-_LEAST_FELT_M, _LEAST_CORNER_M = 0.002, 0.02
+_LEAST_COLLIDER_M, _LEAST_CORNER_M = 0.002, 0.02
 
 _RIM_M, _ROUND_BLOCKS = 0.025, (3, 12)
-"""How much of a round rim the blocks that it is felt as may leave out, and how many they are."""
+"""Most of a round rim that its colliders leave out, and the least and most number of blocks."""
 
 _Solids = tuple[Solid, ...]
 HandleKind = Literal["bar", "knob", "none"]
@@ -115,7 +115,7 @@ def knob() -> Solid:
 
 
 def hung(cell: Cell) -> Literal["left", "right"]:
-    """At which side a door hangs: doors open in pairs, the odd one out to the left."""
+    """At which side a door hangs: doors open in pairs, a single last door to the left."""
     return "left" if cell.column % 2 == 0 else "right"
 
 
@@ -189,27 +189,29 @@ def four_legs(
         lean = leg.points_m.copy()
         share = lean[:, 2:3] / height_m
         lean[:, :2] += (1.0 - share) * foot + share * top
-        felt = _felt_lean(foot, top, height_m, thick_m) if splay_m > _UPRIGHT_M else ()
-        parts.append(Part(f"Leg_{index}", Solid(lean, leg.faces), slot, felt=felt))
+        colliders = _leaning_colliders(foot, top, height_m, thick_m) if splay_m > _UPRIGHT_M else ()
+        parts.append(Part(f"Leg_{index}", Solid(lean, leg.faces), slot, colliders=colliders))
     return tuple(parts)
 
 
-def _felt_lean(foot: FloatArray, top: FloatArray, height_m: float, thick_m: float) -> _Solids:
-    """Blocks on top of each other along a leaning leg, to be felt in its place.
+def _leaning_colliders(
+    foot: FloatArray, top: FloatArray, height_m: float, thick_m: float
+) -> _Solids:
+    """Blocks on top of each other along a leaning leg, which collide in its place.
 
     A box around all of it is as wide as it leans, where legs of chairs go.
     """
     rise_m = height_m / _LEAN_BLOCKS
-    one = box((thick_m, thick_m, rise_m))
+    brick = box((thick_m, thick_m, rise_m))
     blocks = []
     for index in range(_LEAN_BLOCKS):
         at = foot + (index + 0.5) / _LEAN_BLOCKS * (top - foot)
-        blocks.append(one.moved(float(at[0]), float(at[1]), index * rise_m))
+        blocks.append(brick.moved(float(at[0]), float(at[1]), index * rise_m))
     return tuple(blocks)
 
 
-def felt_round(solid: Solid) -> _Solids:
-    """Blocks within an upright cylinder around a solid, to be felt in its place.
+def round_colliders(solid: Solid) -> _Solids:
+    """Blocks within an upright cylinder around a solid, which collide in its place.
 
     A box around a round table top has corners that reach to the chairs beside it. The blocks cross,
     and leave out no more of the rim than a cup can stand on; large tops get more of them.
@@ -227,8 +229,8 @@ def felt_round(solid: Solid) -> _Solids:
     return tuple(blocks)
 
 
-def felt_around(plate: Solid, holes: Sequence[FloatArray]) -> _Solids:
-    """Blocks around the holes of a plate, which lie in a row along x, to be felt in its place.
+def colliders_around(plate: Solid, holes: Sequence[FloatArray]) -> _Solids:
+    """Blocks around the holes of a plate, which lie in a row along x; they collide in its place.
 
     holes: (N, 2) outlines; one may reach to the edge. Solvers make a hull of a plate with holes,
     on which small things rock.
@@ -247,13 +249,13 @@ def felt_around(plate: Solid, holes: Sequence[FloatArray]) -> _Solids:
             float(x0 + x1) / 2, float(y0 + y1) / 2, float(low[2])
         )
         for x0, x1, y0, y1 in spans
-        if min(x1 - x0, y1 - y0) > _LEAST_FELT_M
+        if min(x1 - x0, y1 - y0) > _LEAST_COLLIDER_M
     )
 
 
 def _round_corners(hole: FloatArray) -> Iterator[tuple[float, float, float, float]]:
-    """Squares between the round corners of an outline, (N, 2), and those of its bounds: lowest
-    and highest x, lowest and highest y."""
+    """Squares between the round corners of an outline, (N, 2), and the corners of its bounds:
+    lowest and highest x, lowest and highest y."""
     low, high = hole.min(axis=0), hole.max(axis=0)
     for x, y in product((low[0], high[0]), (low[1], high[1])):
         side = float(np.abs(hole - (x, y)).max(axis=1).min())

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from pxr import Usd
 
 SHAPES = "/Shapes"
-"""A class in the payload of a piece that opens: its meshes, which are also those of its base."""
+"""A class in the payload of a piece that opens: its meshes, which its base shares."""
 
 ANCHOR = "Anchor"
 
@@ -111,28 +111,32 @@ def _write_piece(
     link = body.rpartition("/")[2] if is_new else ""
     path = f"{body}/Geometry/{mesh_name(design, part.name, link)}"
     if is_new:
-        # Texture coordinates are those of the place where it is when shut.
+        # Texture coordinates belong to its place when shut.
         uvs = corner_uvs_m(part.solid, part.name) if part.uvs is None else part.uvs
         define_mesh(stage, path, replace(part, solid=part.solid.moved(*-origin_m), uvs=uvs))
     mesh = stage.OverridePrim(path)
     worn = UsdShade.MaterialBindingAPI.Apply(mesh).GetDirectBindingRel()
     worn.SetTargets([material_path(design.id, part.slot)])
-    felt = [
+    colliders = [
         define_box(stage, f"{body}/Colliders/{part.name}_{number}", bounds_m - origin_m)
-        for number, bounds_m in enumerate(piece.felt_m, start=1)
+        for number, bounds_m in enumerate(piece.colliders_m, start=1)
     ]
-    if piece.is_felt_itself and part.collider is not None:
+    if piece.collides_itself and part.collider is not None:
         UsdPhysics.CollisionAPI.Apply(mesh)
         UsdPhysics.MeshCollisionAPI.Apply(mesh).CreateApproximationAttr(part.collider)
-        felt.append(mesh)
-    bind_feel(design, part.slot, felt)
+        colliders.append(mesh)
+    bind_feel(design, part.slot, colliders)
 
 
 def _mass_kg(design: Design, piece: Piece) -> float:
-    """Of what is felt: trim weighs nothing."""
+    """Mass of what collides: trim weighs nothing."""
     looks = next(iter(design.colourways.values()))
     density = feel_of(design.finishes[looks[piece.part.slot]]).density_kg_per_m3
-    boxes = [*piece.felt_m, piece.part.solid.bounds_m()] if piece.is_felt_itself else piece.felt_m
+    boxes = (
+        [*piece.colliders_m, piece.part.solid.bounds_m()]
+        if piece.collides_itself
+        else piece.colliders_m
+    )
     volume_m3 = sum(float(np.prod(bounds[1] - bounds[0])) for bounds in boxes)
     return volume_m3 * min(density, _MOST_KG_PER_M3) * _SOLID_SHARE
 
@@ -170,7 +174,9 @@ def _damping(link: Link, mass_kg: float) -> float:
     """Newton seconds per metre, or newton metre seconds per degree."""
     if not isinstance(link.motion, Hinge):
         return float(round(mass_kg / SETTLES_S, 4))
-    boxes = np.concatenate([np.array(piece.felt_m) for piece in link.pieces if piece.felt_m])
+    boxes = np.concatenate(
+        [np.array(piece.colliders_m) for piece in link.pieces if piece.colliders_m]
+    )
     away = np.abs(boxes - np.array(link.motion.at_m)).max(axis=(0, 1))
     away["xyz".index(link.motion.axis)] = 0.0
     inertia = max(mass_kg * float(away @ away) / 3, _LEAST_KG_M2)

@@ -70,7 +70,7 @@ def with_clearance(parts: tuple[Part, ...], size_m: Sequence[float]) -> tuple[Pa
     What is free is measured to what stands still, to other leaves, and to the sides of the piece,
     where a neighbour may stand flush.
     """
-    leaves = leaves_of([one for part in parts for one in part.moves])
+    leaves = leaves_of([move for part in parts for move in part.moves])
     if not leaves:
         return parts
     shut = [
@@ -79,36 +79,36 @@ def with_clearance(parts: tuple[Part, ...], size_m: Sequence[float]) -> tuple[Pa
         )
         for leaf in leaves
     ]
-    still = [box for part in parts if part.stays for box in part.felt_boxes_m().values()]
+    still = [box for part in parts if part.stays for box in part.collider_boxes_m().values()]
     length, width, height = size_m
     envelope = np.array([[-length / 2, -width / 2, 0.0], [length / 2, width / 2, height]])
     moved: dict[Leaf, _Fit] = {}
-    for one in shut:
-        others = [other for other in shut if other is not one]
-        bounds = _set_in(one, still, others, envelope)
-        factor = (bounds[1] - bounds[0]) / (one.bounds_m[1] - one.bounds_m[0])
-        fit = _Fit(one.leaf, bounds[0] / factor - one.bounds_m[0], factor)
-        solids = [fit.solid(m.solid) for part in parts for m in part.moves if m.leaf is one.leaf]
+    for closed in shut:
+        others = [other for other in shut if other is not closed]
+        bounds = _set_in(closed, still, others, envelope)
+        factor = (bounds[1] - bounds[0]) / (closed.bounds_m[1] - closed.bounds_m[0])
+        fit = _Fit(closed.leaf, bounds[0] / factor - closed.bounds_m[0], factor)
+        solids = [fit.solid(m.solid) for part in parts for m in part.moves if m.leaf is closed.leaf]
         fit.leaf = _within_sides(fit.leaf, [solid.bounds_m() for solid in solids], length)
-        moved[one.leaf] = fit
+        moved[closed.leaf] = fit
     return tuple(_fitted_part(part, moved) if part.moves else part for part in parts)
 
 
 def _set_in(
-    one: _Shut, still: Sequence[FloatArray], others: Sequence[_Shut], envelope: FloatArray
+    closed: _Shut, still: Sequence[FloatArray], others: Sequence[_Shut], envelope: FloatArray
 ) -> FloatArray:
     """Bounds, (2, 3), that a leaf may fill."""
-    bounds = one.bounds_m.copy()
-    for axis, end in one.sides():
+    bounds = closed.bounds_m.copy()
+    for axis, end in closed.sides():
         sign = 1.0 if end else -1.0
-        swings = one.swings_m(axis, end)
-        gap = sign * float(envelope[end, axis] - one.bounds_m[end, axis])
+        swings = closed.swings_m(axis, end)
+        gap = sign * float(envelope[end, axis] - closed.bounds_m[end, axis])
         inset = CLEAR_M + swings - gap
         for box in still:
-            if (gap_m := _gap_m(one.bounds_m, box, axis, end)) is not None:
+            if (gap_m := _gap_m(closed.bounds_m, box, axis, end)) is not None:
                 inset = max(inset, CLEAR_M + swings - gap_m)
         for other in others:
-            if (gap_m := _gap_m(one.bounds_m, other.bounds_m, axis, end)) is not None:
+            if (gap_m := _gap_m(closed.bounds_m, other.bounds_m, axis, end)) is not None:
                 most = max(swings, other.swings_m(axis, 1 - end))
                 inset = max(inset, (CLEAR_M + most - gap_m) / 2)
         bounds[end, axis] -= sign * max(inset, 0.0)
@@ -160,12 +160,12 @@ class _Fit:
     def solid(self, solid: Solid) -> Solid:
         return solid.moved(*self._shift_m).scaled(*self._factor)
 
-    def moving(self, one: Moving) -> Moving:
-        felt = tuple(self.solid(box) for box in one.felt)
-        return Moving(self.leaf, self.solid(one.solid), felt)
+    def moving(self, move: Moving) -> Moving:
+        colliders = tuple(self.solid(box) for box in move.colliders)
+        return Moving(self.leaf, self.solid(move.solid), colliders)
 
 
 def _fitted_part(part: Part, fits: Mapping[Leaf, _Fit]) -> Part:
-    moves = tuple(fits[one.leaf].moving(one) for one in part.moves)
+    moves = tuple(fits[move.leaf].moving(move) for move in part.moves)
     still = [] if part.still is None else [part.still]
-    return replace(part, moves=moves, solid=joined([*(one.solid for one in moves), *still]))
+    return replace(part, moves=moves, solid=joined([*(move.solid for move in moves), *still]))

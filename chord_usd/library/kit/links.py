@@ -29,11 +29,11 @@ _THINNEST = 1 / 6
 
 @dataclass(frozen=True)
 class Piece:
-    """A mesh of a body and the boxes, (N, 2, 3), that it is felt as."""
+    """A mesh of a body and the boxes, (N, 2, 3), of its colliders."""
 
     part: Part
-    felt_m: tuple[FloatArray, ...]
-    is_felt_itself: bool = False
+    colliders_m: tuple[FloatArray, ...]
+    collides_itself: bool = False
     """Whether its collider is its mesh, as the part says."""
 
 
@@ -56,7 +56,7 @@ def opens(parts: Iterable[Part]) -> bool:
 
 def links_of(parts: Sequence[Part]) -> list[Link]:
     """Base and leaves of a piece, named; leaves are numbered by their kind."""
-    leaves = leaves_of([one for part in parts for one in part.moves])
+    leaves = leaves_of([move for part in parts for move in part.moves])
     fronts = [Front(leaf, _front_of(leaf, parts).bounds_m()) for leaf in leaves]
     insides = {part.name: [open_up(case, fronts) for case in part.hollow] for part in parts}
     base: list[Piece] = []
@@ -80,7 +80,7 @@ def links_of(parts: Sequence[Part]) -> list[Link]:
 
 def _front_of(leaf: Leaf, parts: Iterable[Part]) -> Solid:
     """The first that was drawn of a leaf: its front, before handles and glass."""
-    return next(one.solid for part in parts for one in part.moves if one.leaf is leaf)
+    return next(move.solid for part in parts for move in part.moves if move.leaf is leaf)
 
 
 def _names(leaves: Iterable[Leaf]) -> dict[Leaf, str]:
@@ -95,15 +95,15 @@ def _names(leaves: Iterable[Leaf]) -> dict[Leaf, str]:
 def _still_pieces(part: Part, insides: Sequence[Inner]) -> Iterator[Piece]:
     """What of a part belongs to the base."""
     if part.stays:
-        felt = tuple(part.felt_boxes_m().values())
-        yield Piece(part, felt, part.collider not in ("boundingCube", None))
+        colliders = tuple(part.collider_boxes_m().values())
+        yield Piece(part, colliders, part.collider not in ("boundingCube", None))
         return
     boards = [board for inner in insides for board in inner.boards]
     if boards:
         yield _boards(part, f"{part.name}_Boards", boards, 0.0)
     if part.still is not None:
         rest = replace(part, name=f"{part.name}_Rest", solid=part.still, uvs=None)
-        yield Piece(rest, tuple(one.bounds_m() for one in part.still_felt))
+        yield Piece(rest, tuple(solid.bounds_m() for solid in part.still_colliders))
 
 
 def _boards(part: Part, name: str, boards: Sequence[Solid], play_m: float) -> Piece:
@@ -112,17 +112,17 @@ def _boards(part: Part, name: str, boards: Sequence[Solid], play_m: float) -> Pi
 
 
 def _moving_piece(part: Part, leaf: Leaf, *, is_front: bool) -> Piece:
-    """What of a part goes with a leaf. Bars and posts of handles are felt one by one, so that
-    fingers go behind them."""
-    mine = [one for one in part.moves if one.leaf is leaf]
-    solid = joined([one.solid for one in mine])
-    felt = [box for one in mine for box in one.felt]
-    if not felt and (is_front or part.collider is not None):
-        felt = [solid]
-    if not felt and part.slot == _GRIPPED:
-        felt = separate(solid)
+    """The portion of a part that goes with a leaf. Bars and posts of handles collide one by one, so
+    that fingers go behind them."""
+    mine = [move for move in part.moves if move.leaf is leaf]
+    solid = joined([move.solid for move in mine])
+    colliders = [box for move in mine for box in move.colliders]
+    if not colliders and (is_front or part.collider is not None):
+        colliders = [solid]
+    if not colliders and part.slot == _GRIPPED:
+        colliders = separate(solid)
     made = replace(part, solid=solid, uvs=None)
-    boxes = [_shrunk(one.bounds_m(), _PLAY_M) for one in felt]
+    boxes = [_shrunk(solid.bounds_m(), _PLAY_M) for solid in colliders]
     if is_front:
         boxes = [_cleared_behind(box, leaf.motion) for box in boxes]
     return Piece(made, tuple(boxes))
@@ -245,8 +245,8 @@ def _divide(room: _Room, fronts: Sequence[Front], board: float, inner: Inner) ->
         groups = _apart(fronts, axis)
         if len(groups) < 2:
             continue
-        cuts = [(max(f.span(axis)[1] for f in one) + min(f.span(axis)[0] for f in after)) / 2
-                for one, after in pairwise(groups)]  # fmt: skip
+        cuts = [(max(f.span(axis)[1] for f in before) + min(f.span(axis)[0] for f in after)) / 2
+                for before, after in pairwise(groups)]  # fmt: skip
         span = room.z if axis == 2 else room.x
         for cut in cuts:
             across = (cut - board / 2, cut + board / 2)
@@ -264,7 +264,7 @@ def _divide(room: _Room, fronts: Sequence[Front], board: float, inner: Inner) ->
 def _apart(fronts: Sequence[Front], axis: int) -> list[list[Front]]:
     """Fronts in groups along an axis that a board is to part, lowest first."""
     groups: list[list[Front]] = []
-    for front in sorted(fronts, key=lambda one: one.span(axis)[0]):
+    for front in sorted(fronts, key=lambda front: front.span(axis)[0]):
         last = groups[-1] if groups else []
         if last and front.span(axis)[0] < max(f.span(axis)[1] for f in last) - _LAP_M:
             last.append(front)
@@ -279,14 +279,14 @@ def _apart(fronts: Sequence[Front], axis: int) -> list[list[Front]]:
     return merged
 
 
-def _share_room(one: Sequence[Front], after: Sequence[Front], axis: int) -> bool:
+def _share_room(before: Sequence[Front], after: Sequence[Front], axis: int) -> bool:
     """Whether no board goes between: drawers above each other, doors that open away from each
     other."""
     if axis == 2:
-        return all(front.leaf.holds for front in (*one, *after))
-    if len(one) != 1 or len(after) != 1:
+        return all(front.leaf.holds for front in (*before, *after))
+    if len(before) != 1 or len(after) != 1:
         return False
-    return _is_hung(one[0], 0) and _is_hung(after[0], 1)
+    return _is_hung(before[0], 0) and _is_hung(after[0], 1)
 
 
 def _is_hung(front: Front, end: int) -> bool:

@@ -18,7 +18,7 @@ from chord_usd.library.surfaces.finishes import FINISHES, Finish
 
 Collider = Literal["boundingCube", "convexHull"]
 """USD Physics approximation. boundingCube, along the model's axes, is the steady one in the MuJoCo
-solver: whatever something movable stands on has it, and what is hollow is felt as several."""
+solver: whatever something movable stands on has it, and a hollow part has several."""
 
 FIT_TOLERANCE = 0.08
 """Largest share by which a drawn model may miss its nominal size before it counts as wrong."""
@@ -32,11 +32,11 @@ class Part:
     """Prim name, unique within the model."""
     solid: Solid
     slot: str
-    """Which of the model's materials it wears; colourways say what each slot looks like."""
+    """Name of one of the model's materials; colourways give each slot its finish."""
     collider: Collider | None = "boundingCube"
     """None for small trim that nothing needs to collide with."""
-    felt: tuple[Solid, ...] = ()
-    """Solids whose bounding boxes are felt in place of its own: the two sides of a table."""
+    colliders: tuple[Solid, ...] = ()
+    """Solids whose bounding boxes collide in place of its own: the two sides of a table."""
     above: bool = False
     """Stands on top and rises above the nominal height (a tap, a television)."""
     uvs: FloatArray | None = None
@@ -49,8 +49,8 @@ class Part:
     """Closed bodies in its solid that doors and drawers open: boards, where it is jointed."""
     still: Solid | None = None
     """What stands still where the piece is jointed, unless that is all of it."""
-    still_felt: tuple[Solid, ...] = ()
-    """Solids whose bounding boxes are felt in place of what is still."""
+    still_colliders: tuple[Solid, ...] = ()
+    """Solids whose bounding boxes collide in place of the still portion."""
 
     @property
     def stays(self) -> bool:
@@ -62,13 +62,15 @@ class Part:
         """Whether the part counts for the nominal size."""
         return not self.above
 
-    def felt_boxes_m(self) -> dict[str, FloatArray]:
-        """Bounds, (2, 3), of the boxes it is felt as, by the names of their prims."""
+    def collider_boxes_m(self) -> dict[str, FloatArray]:
+        """Bounds, (2, 3), of the boxes of its colliders, by the names of their prims."""
         if self.collider != "boundingCube":
             return {}
-        if not self.felt:
+        if not self.colliders:
             return {self.name: self.solid.bounds_m()}
-        return {f"{self.name}_{n}": one.bounds_m() for n, one in enumerate(self.felt, start=1)}
+        return {
+            f"{self.name}_{n}": solid.bounds_m() for n, solid in enumerate(self.colliders, start=1)
+        }
 
 
 @dataclass(frozen=True)
@@ -141,22 +143,22 @@ def placed(
         return solid.moved(*shift).scaled(*factors)
 
     def fit_all(solids: tuple[Solid, ...]) -> tuple[Solid, ...]:
-        return tuple(fit(one) for one in solids)
+        return tuple(fit(solid) for solid in solids)
 
-    def moving(one: Moving) -> Moving:
-        if one.leaf not in leaves:
-            leaves[one.leaf] = fitted_leaf(one.leaf, shift, factors)
-        return Moving(leaves[one.leaf], fit(one.solid), fit_all(one.felt))
+    def moving(move: Moving) -> Moving:
+        if move.leaf not in leaves:
+            leaves[move.leaf] = fitted_leaf(move.leaf, shift, factors)
+        return Moving(leaves[move.leaf], fit(move.solid), fit_all(move.colliders))
 
     return tuple(
         replace(
             part,
             solid=fit(part.solid),
-            felt=fit_all(part.felt),
-            moves=tuple(moving(one) for one in part.moves),
+            colliders=fit_all(part.colliders),
+            moves=tuple(moving(move) for move in part.moves),
             hollow=fit_all(part.hollow),
             still=None if part.still is None else fit(part.still),
-            still_felt=fit_all(part.still_felt),
+            still_colliders=fit_all(part.still_colliders),
         )
         for part in parts
     )

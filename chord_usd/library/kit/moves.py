@@ -72,8 +72,8 @@ class Moving:
 
     leaf: Leaf
     solid: Solid
-    felt: tuple[Solid, ...] = ()
-    """Solids whose bounding boxes are felt in place of its own."""
+    colliders: tuple[Solid, ...] = ()
+    """Solids whose bounding boxes collide in place of its own."""
 
 
 def drawer(front: Solid) -> Leaf:
@@ -121,4 +121,4 @@ def fitted_leaf(leaf: Leaf, shift_m: FloatArray, factor: FloatArray) -> Leaf:
 
 def leaves_of(moving: Sequence[Moving]) -> list[Leaf]:
     """Each leaf once, in order."""
-    return list(dict.fromkeys(one.leaf for one in moving))
+    return list(dict.fromkeys(move.leaf for move in moving))

@@ -85,18 +85,18 @@ def _projected(corners: FloatArray, normals: FloatArray) -> FloatArray:
 
 def _axes_of(points: FloatArray) -> FloatArray:
     """(3, 3) rows: along the longest side of a solid, then the next. Bars that stand aslant have
-    axes of their own; of all others they are those of the model."""
+    axes of their own; all others have the axes of the model."""
     spans = np.ptp(points, axis=0)
     order = np.argsort(-spans, kind="stable")
     axes = np.eye(3)[order]
     centred = points - points.mean(axis=0)
     _, vectors = np.linalg.eigh(centred.T @ centred)
-    own = vectors.T[::-1]
-    slant = np.abs(own[0]).max()
-    own_spans = np.ptp(centred @ own.T, axis=0)
+    principal = vectors.T[::-1]
+    slant = np.abs(principal[0]).max()
+    own_spans = np.ptp(centred @ principal.T, axis=0)
     if slant < _UPRIGHT and own_spans[0] > _BAR * max(own_spans[1:]):
-        longest = np.argmax(np.abs(own), axis=1)
-        axes = own * np.sign(own[np.arange(3), longest])[:, None]
+        longest = np.argmax(np.abs(principal), axis=1)
+        axes = principal * np.sign(principal[np.arange(3), longest])[:, None]
     if np.linalg.det(axes) < 0.0:
         axes[2] *= -1.0
     return axes
@@ -105,11 +105,11 @@ def _axes_of(points: FloatArray) -> FloatArray:
 def separate(solid: Solid) -> list[Solid]:
     """The connected solids that one consists of, in order of appearance."""
     piece = _pieces(solid)
-    found = []
+    solids = []
     for number in range(int(piece.max()) + 1):
         used, faces = np.unique(solid.faces[piece == number], return_inverse=True)
-        found.append(Solid(solid.points_m[used], faces.reshape(-1, 3)))
-    return found
+        solids.append(Solid(solid.points_m[used], faces.reshape(-1, 3)))
+    return solids
 
 
 def _pieces(solid: Solid) -> np.ndarray:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from chord_usd.library.bath.taps import SinkTap, sink_tap
-from chord_usd.library.kit.joinery import FRONT_M, cells, felt_around, plinth, shifted
+from chord_usd.library.kit.joinery import FRONT_M, cells, colliders_around, plinth, shifted
 from chord_usd.library.kit.model import Part, hollow_part
 from chord_usd.library.kit.solids import Size, block, box, extruded, joined, pair, ring
 from chord_usd.library.kitchen.kitchen_appliances import hob, microwave, oven
@@ -178,7 +178,7 @@ def cooker_cabinet(size_m: Size, *, form: _Form, gas: bool = True) -> tuple[Part
             ),
             x=(length - side) / 2,
         )
-        parts.append(Part("Side_Fronts", joined(fillers), "front", felt=tuple(fillers)))
+        parts.append(Part("Side_Fronts", joined(fillers), "front", colliders=tuple(fillers)))
     return tuple(parts)
 
 
@@ -208,7 +208,7 @@ def sink_cabinet(size_m: Size, *, form: _Form) -> tuple[Part, ...]:
     return (
         *_sink_body(size_m, form),
         *kitchen_fronts(face, y, form.fronts),
-        Part("Worktop", plate, "worktop", felt=felt_around(plate, [cut])),
+        Part("Worktop", plate, "worktop", colliders=colliders_around(plate, [cut])),
         Part("Bowl", bowl, "steel", collider=None, above=bool(x)),
         Part("Tap", tap, "tap", collider=None, above=True),
     )
@@ -248,7 +248,9 @@ def _apron_cabinet(size_m: Size, form: _Form) -> tuple[Part, ...]:
         *_sink_body(size_m, form),
         *kitchen_fronts(face, y, form.fronts),
         Part("Side_Fronts", joined(fillers), "front", collider=None),
-        Part("Worktop", plate, "worktop", felt=felt_around(plate, [np.array(outline[1:5])])),
+        Part(
+            "Worktop", plate, "worktop", colliders=colliders_around(plate, [np.array(outline[1:5])])
+        ),
         Part("Bowl", bowl, "sink", collider=None),
         Part(
             "Tap",

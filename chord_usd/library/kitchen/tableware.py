@@ -244,5 +244,5 @@ def drinks(size_m: Size, *, kind: Literal["bottle", "carafe"] = "bottle") -> tup
              (g * 0.82, tall), (g * 0.8, tall), (g * 0.95, tall * 0.68), (0, tall * 0.5)], 24,
         )  # fmt: skip
         glasses = pair(glass.moved(x=length / 2 - g), y=width / 2 - g)
-        parts.append(Part("Glasses", joined(glasses), "glass", felt=tuple(glasses)))
+        parts.append(Part("Glasses", joined(glasses), "glass", colliders=tuple(glasses)))
     return tuple(parts)

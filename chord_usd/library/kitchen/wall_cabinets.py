@@ -66,7 +66,7 @@ def open_cabinet(size_m: Size) -> tuple[Part, ...]:
     boards = (*case, board.moved(y=0.004, z=height / 2))
     ware, glasses = _tableware(length - 0.1, height)
     return (
-        Part("Case", joined(boards), "front", felt=boards),
+        Part("Case", joined(boards), "front", colliders=boards),
         Part("Ware", ware, "ware", collider=None),
         Part("Glasses", glasses, "glass", collider=None),
     )
@@ -113,7 +113,7 @@ def glazed_cabinet(size_m: Size, *, form: FrontForm) -> tuple[Part, ...]:
         for cell, frame in zip(_face(length, height), frames, strict=True)
     ]
     parts = [
-        Part("Case", joined(case), "body", felt=case),
+        Part("Case", joined(case), "body", colliders=case),
         moving_part("Doors", frames, "front", leaves),
         moving_part("Panes", panes, "glass", leaves, None),
         Part("Ware", ware, "ware", collider=None),

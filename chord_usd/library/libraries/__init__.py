@@ -1,1 +1,1 @@
-"""Furniture of other people: read from their libraries, converted to components of ours."""
+"""Furniture of other people: read from their libraries, converted to components of this library."""

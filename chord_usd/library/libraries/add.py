@@ -33,7 +33,7 @@ def add_library(
 ) -> Added:  # fmt: skip
     """Convert the models of the library at path into the database in folder, beside those there.
 
-    tags: names of library.database.TAGS that every model gets, beside those of the manifest.
+    tags: names of library.database.TAGS that every model gets, beside the manifest's tags.
     A model whose id is taken gets a number. What cannot be used is refused, with its reason; the
     others are taken. Raises AssetError where the library cannot be read or nothing of it used.
     """

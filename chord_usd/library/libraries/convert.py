@@ -86,10 +86,10 @@ def _category(model: Model, warnings: list[str]) -> str:
     nearest = nearest_category(model.category)
     if nearest is None:
         raise AssetError(
-            f"no category of ours fits {model.category!r}",
+            f"no known category fits {model.category!r}",
             expected="a category of the palette, such as 'sofa'",
         )
-    warnings.append(f"{model.category!r} is no category of ours; taken for '{nearest}'")
+    warnings.append(f"{model.category!r} is no known category; taken for '{nearest}'")
     return nearest
 
 

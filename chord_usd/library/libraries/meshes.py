@@ -204,13 +204,13 @@ def _usd_sheets(prim: Any, path: Path) -> Iterator[Sheet]:
     mesh = UsdGeom.Mesh(prim)
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get() or (), dtype=np.int64)
     index = np.array(mesh.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64)
-    own = np.array(mesh.GetPointsAttr().Get() or (), dtype=np.float64).reshape(-1, 3)
+    local = np.array(mesh.GetPointsAttr().Get() or (), dtype=np.float64).reshape(-1, 3)
     shape = UsdGeom.Imageable(prim)
     hidden = shape.ComputePurpose() in (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy)
-    if hidden or not len(counts) or not len(own):
+    if hidden or not len(counts) or not len(local):
         return
     matrix = np.array(shape.ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
-    points = own @ matrix[:3, :3] + matrix[3, :3]
+    points = local @ matrix[:3, :3] + matrix[3, :3]
     corners = _fan(counts)
     if mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded:
         corners = corners[:, ::-1]
@@ -237,7 +237,7 @@ def _fan(counts: np.ndarray) -> np.ndarray:
 def _usd_material(
     prim: Any, path: Path
 ) -> tuple[tuple[int, int, int], float, float, float, ByteArray | None]:
-    """(colour, roughness, metalness, opacity, texture) of what a prim wears."""
+    """(colour, roughness, metalness, opacity, texture) of the material of a prim."""
     from PIL import Image as Pictures
     from pxr import UsdGeom, UsdShade
 

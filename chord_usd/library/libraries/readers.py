@@ -41,8 +41,8 @@ def open_library(path: Path) -> Library:
         for name in MANIFESTS:
             if (path / name).is_file():
                 return ManifestLibrary(path, path / name)
-        found = [path / FUTURE_INFO, path.parent / FUTURE_INFO]
-        for info in found:
+        files = [path / FUTURE_INFO, path.parent / FUTURE_INFO]
+        for info in files:
             if info.is_file():
                 return FutureLibrary(path, info)
     raise AssetError(
@@ -90,9 +90,9 @@ class ManifestLibrary:
                 unit_m=UNITS_M[str(row["unit"])] if row.get("unit") else None,
                 up=_axis(row.get("up")),
                 front=_axis(row.get("front")),
-                label=_told(row, "label"),
-                licence=_told(row, "licence", "license"),
-                author=_told(row, "author", "creator"),
+                label=_text_at(row, "label"),
+                licence=_text_at(row, "licence", "license"),
+                author=_text_at(row, "author", "creator"),
                 tags=_tags(row.get("tags")),
             )
         except (KeyError, ValueError, TypeError, OverflowError) as error:
@@ -118,7 +118,7 @@ class FutureLibrary:
         """The models that are there; the data set comes in parts."""
         try:
             rows = parse_json(_text_of(self._info), str(self._info), AssetError)
-            found = [(str(row["model_id"]), row) for row in rows]
+            listed = [(str(row["model_id"]), row) for row in rows]
         except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             raise AssetError(
                 f"cannot be read ({error})",
@@ -133,11 +133,11 @@ class FutureLibrary:
                 unit_m=1.0,
                 up="+y",
                 front="+z",
-                label=_told(row, "category"),
+                label=_text_at(row, "category"),
                 licence="3D-FUTURE terms of use",
                 author="Alibaba 3D-FUTURE",
             )
-            for model_id, row in found
+            for model_id, row in listed
             if (self._folder / model_id).is_dir()
         ]
 
@@ -168,8 +168,8 @@ class SweetHomeLibrary:
     ) -> Model:  # fmt: skip
         try:
             size = tuple(float(entry[side]) / 100.0 for side in ("width", "depth", "height"))
-            name, licence = _told(entry, "name"), _told({**library, **entry}, "license")
-            author = _told(entry, "creator") or _told(library, "provider")
+            name, licence = _text_at(entry, "name"), _text_at({**library, **entry}, "license")
+            author = _text_at(entry, "creator") or _text_at(library, "provider")
             rotation = _rotation(entry.get("modelRotation", ""))
         except (KeyError, ValueError) as error:
             raise AssetError(
@@ -213,7 +213,7 @@ class SweetHomeLibrary:
 
 def read_properties(text: str) -> dict[str, str]:
     """A Java properties file: key = value, # comments, \\uXXXX, lines continued by a backslash."""
-    found: dict[str, str] = {}
+    properties: dict[str, str] = {}
     lines = iter(text.splitlines())
     for line in lines:
         line = line.strip()
@@ -222,8 +222,8 @@ def read_properties(text: str) -> dict[str, str]:
         if not line or line[0] in "#!":
             continue
         key, _, value = line.partition("=")
-        found[key.strip()] = _unescaped(value.strip())
-    return found
+        properties[key.strip()] = _unescaped(value.strip())
+    return properties
 
 
 def _unescaped(value: str) -> str:
@@ -251,7 +251,7 @@ def _text_of(file: Path) -> str:
     return file.read_text(encoding="utf-8-sig")
 
 
-def _told(row: Mapping[str, Any], *keys: str) -> str:
+def _text_at(row: Mapping[str, Any], *keys: str) -> str:
     """What an entry says under the first of keys that it has. Raises ValueError."""
     text = next((str(row[key]) for key in keys if row.get(key)), "")
     if len(text) > MOST_LETTERS:

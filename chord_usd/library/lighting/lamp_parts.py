@@ -54,11 +54,11 @@ TABLE_SHADE = ShadeMake(
 
 def cloth_shade(
     low_m: float, high_m: float, wide_m: float, narrow_m: float, make: ShadeMake,
-    felt: tuple[Solid, ...] = (),
+    colliders: tuple[Solid, ...] = (),
 ) -> tuple[Part, ...]:  # fmt: skip
     """A shade with its rims and the spokes that carry it. wide_m, narrow_m: radii below and above.
 
-    felt: solids whose bounding boxes collide; without them the shade collides with nothing.
+    colliders: solids whose bounding boxes collide; without them the shade collides with nothing.
     """
     out, over, rim = make.out_m, make.over_m, make.rim_high_m
     skin = hollow([(wide_m, low_m), (narrow_m, high_m)], make.cloth_m, make.sides)
@@ -77,7 +77,7 @@ def cloth_shade(
         for i in range(2)
     ]
     return (
-        Part("Shade", skin, "shade", "boundingCube" if felt else None, felt=felt),
+        Part("Shade", skin, "shade", "boundingCube" if colliders else None, colliders=colliders),
         Part("Rims", joined(rims), "trim", None),
         Part("Spokes", joined(spokes), "metal", None),
     )

@@ -43,7 +43,7 @@ def _disc_foot(radius_m: float) -> Solid:
     )
 
 
-def _felt(foot: Solid, height_m: float) -> tuple[Solid, ...]:
+def _post_colliders(foot: Solid, height_m: float) -> tuple[Solid, ...]:
     """The foot, and a post over it: what stands beside the lamp goes under its shade."""
     return foot, box((0.03, 0.03, height_m))
 
@@ -55,7 +55,7 @@ def drum(size_m: Size) -> tuple[Part, ...]:
     foot = _disc_foot(0.14)
     pole = cylinder(0.01, low + 0.08, 0.0, 14).moved(z=0.03)
     return (
-        Part("Foot", foot + pole, "metal", felt=_felt(cylinder(0.14, 0.03), low)),
+        Part("Foot", foot + pole, "metal", colliders=_post_colliders(cylinder(0.14, 0.03), low)),
         *cloth_shade(low, height, radius, radius, FLOOR_SHADE),
         Part("Bulb", bulb(0.032).moved(z=low + 0.1), "bulb", None),
     )
@@ -86,7 +86,12 @@ def classic(size_m: Size) -> tuple[Part, ...]:
     ]
     finial = lathe([(0.004, 0.0), (0.009, 0.008), (0.004, 0.014), (0.0, 0.024)], 12)
     return (
-        Part("Column", outward(lathe(profile, 28)), "metal", felt=_felt(cylinder(0.15, 0.03), low)),
+        Part(
+            "Column",
+            outward(lathe(profile, 28)),
+            "metal",
+            colliders=_post_colliders(cylinder(0.15, 0.03), low),
+        ),
         *cloth_shade(low, height - 0.02, radius, radius * 0.62, FLOOR_SHADE),
         Part("Harp", cylinder(0.003, 0.22, 0.0, 8).moved(z=low + 0.07), "metal", None),
         Part("Finial", finial.moved(z=height - 0.024), "metal", None),
@@ -99,7 +104,7 @@ def tripod(size_m: Size) -> tuple[Part, ...]:
     radius, height = size_m[0] / 2, size_m[2]
     low = height - 0.28
     reach, top = radius * 0.98, 0.03
-    legs, felt = [], []
+    legs, colliders = [], []
     for turn in (90, 210, 330):
         a = math.radians(turn)
         foot = np.array([reach * math.cos(a), reach * math.sin(a), 0.0])
@@ -111,7 +116,7 @@ def tripod(size_m: Size) -> tuple[Part, ...]:
         legs.append(Solid(points, leg.faces))
         for share in (0.15, 0.5, 0.85):
             at = foot + share * (head - foot)
-            felt.append(
+            colliders.append(
                 box((0.05, 0.05, 0.3 * low)).moved(
                     float(at[0]), float(at[1]), max(share - 0.15, 0.0) * low
                 )
@@ -120,7 +125,7 @@ def tripod(size_m: Size) -> tuple[Part, ...]:
         [(0.03, 0.0), (0.045, 0.008), (0.045, 0.04), (0.02, 0.05), (0.01, 0.07), (0.01, 0.16)], 24
     )
     return (
-        Part("Legs", joined(legs), "wood", felt=tuple(felt)),
+        Part("Legs", joined(legs), "wood", colliders=tuple(colliders)),
         Part("Hub", hub.moved(z=low - 0.055), "metal", None),
         *cloth_shade(low, height, radius, radius * 0.84, FLOOR_SHADE),
         Part("Bulb", bulb(0.032).moved(z=low + 0.1), "bulb", None),
@@ -150,9 +155,12 @@ def bow_lamp(size_m: Size) -> tuple[Part, ...]:
     dome_z = low + 0.19 - dome_r * 0.98
     light = bulb(0.03).turned("x", 180).moved(z=low + 0.16 - dome_z)
     dome = metal_shade(out, inner, light, sides=30, name="Dome")
-    felt = (cylinder(foot_r, 0.03).moved(foot_x), box((0.03, 0.03, height * 0.8)).moved(foot_x))
+    colliders = (
+        cylinder(foot_r, 0.03).moved(foot_x),
+        box((0.03, 0.03, height * 0.8)).moved(foot_x),
+    )
     return (
-        Part("Post", foot + tube(path, 0.0085, 10), "metal", felt=felt),
+        Part("Post", foot + tube(path, 0.0085, 10), "metal", colliders=colliders),
         *(replace(part, solid=part.solid.moved(head_x, z=dome_z)) for part in dome),
     )
 
@@ -179,9 +187,12 @@ def reader(size_m: Size) -> tuple[Part, ...]:
     cone = [(head_r, 0.0), (0.04, 0.13), (0.034, 0.18), (0.02, 0.19)]
     inner = [(head_r - 0.004, -0.002), (0.036, 0.126)]
     head = metal_shade(cone, inner, bulb(0.03).turned("x", 180).moved(z=0.12))
-    felt = (cylinder(foot_r, 0.03).moved(foot_x), box((0.03, 0.03, height * 0.9)).moved(foot_x))
+    colliders = (
+        cylinder(foot_r, 0.03).moved(foot_x),
+        box((0.03, 0.03, height * 0.9)).moved(foot_x),
+    )
     return (
-        Part("Post", joined([foot, *rods]), "metal", felt=felt),
+        Part("Post", joined([foot, *rods]), "metal", colliders=colliders),
         Part("Joints", joined(joints), "trim", None),
         *(
             replace(part, solid=part.solid.moved(z=-0.17).turned("y", 16.0).moved(*hand))
@@ -233,7 +244,7 @@ def lantern(size_m: Size) -> tuple[Part, ...]:
     ring_ = hollow([(out[0][0] * 0.93, 0.0), (out[0][0] * 0.93, 0.008)], 0.008, 32)
     return (
         Part("Paper", hollow(out, 0.002, 28), "paper", None),
-        Part("Feet", joined([*feet, ring_]), "metal", felt=(cylinder(radius * 0.9, height),)),
+        Part("Feet", joined([*feet, ring_]), "metal", colliders=(cylinder(radius * 0.9, height),)),
         Part("Bulb", bulb(0.05).moved(z=height * 0.45), "bulb", None),
     )
 
@@ -262,7 +273,7 @@ def globes(size_m: Size) -> tuple[Part, ...]:
             "Post",
             joined([foot, post, tube(bend, 0.007, 10), *cups]),
             "metal",
-            felt=_felt(cylinder(width * 0.45, 0.03), high - r),
+            colliders=_post_colliders(cylinder(width * 0.45, 0.03), high - r),
         ),
         Part("Globes", joined(balls), "opal", None),
     )

@@ -13,7 +13,7 @@ from chord_usd.library.kit.forms import (
     outward,
     sphere_profile,
 )
-from chord_usd.library.kit.joinery import felt_round
+from chord_usd.library.kit.joinery import round_colliders
 from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
@@ -37,8 +37,8 @@ Draw = Callable[[Size], tuple[Part, ...]]
 
 def _shade(low: float, high: float, wide: float, narrow: float) -> tuple[Part, ...]:
     # Nothing stands on a shade, and what is flat goes under it.
-    felt = felt_round(cylinder(narrow * 0.9, high - low).moved(z=low))
-    return cloth_shade(low, high, wide, narrow, TABLE_SHADE, felt)
+    colliders = round_colliders(cylinder(narrow * 0.9, high - low).moved(z=low))
+    return cloth_shade(low, high, wide, narrow, TABLE_SHADE, colliders)
 
 
 def ball(size_m: Size) -> tuple[Part, ...]:
@@ -121,10 +121,10 @@ def mushroom(size_m: Size) -> tuple[Part, ...]:
     ]
     dome = arc((radius, low), (radius, height * 0.99), (0.012, height), 10)
     inner = [(r - 0.003, z - 0.0015) for r, z in dome[:-1]]
-    felt = felt_round(cylinder(radius * 0.75, tall * 0.9).moved(z=low))
+    colliders = round_colliders(cylinder(radius * 0.75, tall * 0.9).moved(z=low))
     return (
         Part("Foot", outward(lathe(foot, 32)), "metal"),
-        Part("Dome", hollow(dome, 0.0022, 36), "metal", felt=felt),
+        Part("Dome", hollow(dome, 0.0022, 36), "metal", colliders=colliders),
         Part("Inside", hollow(inner, 0.001, 36), "lining", collider=None),
         Part(
             "Knob",
@@ -155,7 +155,9 @@ def globe(size_m: Size) -> tuple[Part, ...]:
             "Globe",
             outward(lathe([(0.0, glass[0][1]), *glass], 32)),
             "opal",
-            felt=felt_round(cylinder(radius * 0.8, radius).moved(z=height - 1.5 * radius)),
+            colliders=round_colliders(
+                cylinder(radius * 0.8, radius).moved(z=height - 1.5 * radius)
+            ),
         ),
         Part(
             "Collar",

@@ -149,12 +149,12 @@ def wallpaper(
         rgb = plain(ground.shape, body)
     else:
         draw = {"leaves": _leaves, "lattice": _lattice, "arches": _arches, "damask": _damask}
-        one = [*draw[pattern](rng, first, other, body)]
+        motif = [*draw[pattern](rng, first, other, body)]
         shapes = [
             (_shifted(points, repeat_m, i, j), colour)
             for i in range(times)
             for j in range(times)
-            for points, colour in one
+            for points, colour in motif
         ]
         rgb = stamped(ground, shapes, body)
     rough = pattern == "grasscloth"

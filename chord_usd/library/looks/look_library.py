@@ -106,17 +106,19 @@ class StyleLooks:
     style: HomeStyle
     seed: int
     px: int = BASE_PX
-    own: tuple[Look, ...] = ()
+    brought: tuple[Look, ...] = ()
 
     def choices(self, part: Part, room: Room, count: int) -> list[Look]:
         """As scene.looks.LookSource."""
-        own = [
-            look for look in self.own if look.surface in (part, "both") and room.kind in look.kinds
+        brought = [
+            look
+            for look in self.brought
+            if look.surface in (part, "both") and room.kind in look.kinds
         ][:count]
         even_px = self.px // 2 * 2
-        wanted = looks_for(self.style, self.seed, part, room, count - len(own))
+        wanted = looks_for(self.style, self.seed, part, room, count - len(brought))
         drawn = [drawn_look(family_named(w.family), w.settings, even_px) for w in wanted]
-        return [*own, *drawn]
+        return [*brought, *drawn]
 
 
 def style_looks(
@@ -131,13 +133,13 @@ def style_looks(
 
 def own_looks(folder: Path | None = None) -> tuple[Look, ...]:
     """Looks of a folder: packages with their maps, and those that name a family to be drawn."""
-    found = []
+    looks = []
     for file in looks_in(folder):
         entry = read_entry(file)
         if "family" in entry and not (file.parent / f"{entry['name']}.usda").is_file():
             family = family_named(str(entry["family"]))
             settings = family.settings(dict(entry.get("parameters", {})), str(file))
-            found.append(drawn_look(family, settings, kinds=tuple(entry["kinds"])))
+            looks.append(drawn_look(family, settings, kinds=tuple(entry["kinds"])))
         else:
-            found.append(look_of(file.parent))
-    return tuple(found)
+            looks.append(look_of(file.parent))
+    return tuple(looks)

@@ -32,11 +32,11 @@ def draw_looks(cells: Sequence[tuple[str, str, Maps]], *, columns: int = 6) -> I
     rows = -(-len(cells) // columns)
     sheet = Image.new("RGB", (columns * (CELL_PX + 6), rows * tall), _PAPER)
     pen = ImageDraw.Draw(sheet)
-    for number, (title, told, maps) in enumerate(cells):
+    for number, (title, subtitle, maps) in enumerate(cells):
         left, top = number % columns * (CELL_PX + 6), number // columns * tall
         sheet.paste(Image.fromarray(swatch(maps)), (left, top))
         pen.text((left + 2, top + CELL_PX + 2), title, fill=(40, 40, 40))
-        pen.text((left + 2, top + CELL_PX + 15), told[:52], fill=(120, 120, 120))
+        pen.text((left + 2, top + CELL_PX + 15), subtitle[:52], fill=(120, 120, 120))
     return sheet
 
 
@@ -49,6 +49,6 @@ def swatch(maps: Maps, side_px: int = CELL_PX, side_m: float = CELL_M) -> ByteAr
     lit = np.clip(maps.rgb * light, 0, 255).astype(np.uint8)
     across, up = maps.ground.tile_m
     size = (max(1, round(side_px * across / side_m)), max(1, round(side_px * up / side_m)))
-    one = np.asarray(Image.fromarray(lit).resize(size, Image.Resampling.BOX))
-    many = np.tile(one, (side_px // size[1] + 1, side_px // size[0] + 1, 1))
+    tile = np.asarray(Image.fromarray(lit).resize(size, Image.Resampling.BOX))
+    many = np.tile(tile, (side_px // size[1] + 1, side_px // size[0] + 1, 1))
     return np.ascontiguousarray(many[-side_px:, :side_px])

@@ -71,8 +71,10 @@ def stone_tile(
     if pattern == "checker":
         columns = round(boards.ground.tile_m[0] / size_m)
         number = np.arange(boards.count)
-        odd = boards.each((number // columns + number % columns) % 2)
-        face = mixed(face, lit(plain(boards.ground.shape, rgb_of(second)), 1.0 + 1.2 * tone), odd)
+        alternate = boards.each((number // columns + number % columns) % 2)
+        face = mixed(
+            face, lit(plain(boards.ground.shape, rgb_of(second)), 1.0 + 1.2 * tone), alternate
+        )
     return laid(rng, boards, face, grout=grout, joint_m=joint_m, sheen=sheen)
 
 

@@ -137,10 +137,10 @@ def book_row(
     parts.append(Part("Pages", joined(pages), "page", None))
     if prints:
         parts.append(Part("Titles", joined(prints), "print", None))
-    # One box, felt upright, so that the row stands steadily.
-    felt = box((length, width, height * 0.96))
+    # One upright box collides, so that the row stands steadily.
+    collider = box((length, width, height * 0.96))
     first = parts[0]
-    parts[0] = Part(first.name, first.solid, first.slot, "boundingCube", felt=(felt,))
+    parts[0] = Part(first.name, first.solid, first.slot, "boundingCube", colliders=(collider,))
     return tuple(parts)
 
 

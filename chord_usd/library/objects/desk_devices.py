@@ -204,7 +204,7 @@ def speaker(size_m: Size) -> tuple[Part, ...]:
     )
     fit = (length * 0.985, width * 0.985, height)
     return (
-        Part("Speaker", cloth.scaled(*fit), "cloth", felt=(box(size_m),)),
+        Part("Speaker", cloth.scaled(*fit), "cloth", colliders=(box(size_m),)),
         Part("Top", top.scaled(*fit), "keys", collider=None),
         Part("Ring", ring_.scaled(*fit), "metal", collider=None),
         Part("Base", base.scaled(*fit), "metal", collider=None),
@@ -242,7 +242,7 @@ def alarm_clock(size_m: Size) -> tuple[Part, ...]:
     )
     feet = pair(cylinder(0.008, 0.004, 0.001, 12), x=length * 0.36)
     return (
-        Part("Case", body.moved(z=0.002), "cloth", felt=(box((length, width, height)),)),
+        Part("Case", body.moved(z=0.002), "cloth", colliders=(box((length, width, height)),)),
         Part("Face", face, "bezel", collider=None),
         Part("Digits", joined([*digits, *dots]), "digits", collider=None),
         Part("Snooze_Bar", snooze, "metal", collider=None),

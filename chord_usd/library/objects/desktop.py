@@ -59,7 +59,7 @@ def lying_books(size_m: Size, *, count: int = 1) -> tuple[Part, ...]:
         )
         cover, block_of_pages = _hardback(*size)
         z = height / count * index
-        titles += [one.turned("z", turn).moved(z=z) for one in _titles(*size, index)]
+        titles += [title.turned("z", turn).moved(z=z) for title in _titles(*size, index)]
         parts.append(
             Part(
                 f"Cover_{index + 1}",

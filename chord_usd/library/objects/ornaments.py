@@ -133,7 +133,7 @@ def pebbles(size_m: Size) -> tuple[Part, ...]:
             "Stones",
             joined(stones["body"]),
             "body",
-            felt=(box((length * 0.6, width * 0.6, height)),),
+            colliders=(box((length * 0.6, width * 0.6, height)),),
         ),
         Part("Stones_Between", joined(stones["stone"]), "stone", None),
     )
@@ -260,12 +260,12 @@ def tapers(size_m: Size) -> tuple[Part, ...]:
             )
         )
         wicks.append(cylinder(0.001, 0.013, 0.0, 6).moved(at, 0.0, tall - 0.001))
-    felt = tuple(
+    colliders = tuple(
         box((width * 0.98, width * 0.98, height * 0.9)).moved(x * (length - width * 0.98))
         for x in (-0.5, 0.5)
     )
     return (
-        Part("Holders", joined(holders), "holder", felt=felt),
+        Part("Holders", joined(holders), "holder", colliders=colliders),
         Part("Candles", joined(candles), "wax", None),
         Part("Wicks", joined(wicks), "wick", None),
     )
@@ -320,7 +320,7 @@ def lantern(size_m: Size) -> tuple[Part, ...]:
             "Frame",
             joined([base, *posts, roof, loop]),
             "holder",
-            felt=(box((length, width, height * 0.8)),),
+            colliders=(box((length, width, height * 0.8)),),
         ),
         Part("Glass", joined(panes), "glass", None),
         Part("Candle", wax, "wax", None),

@@ -49,8 +49,8 @@ def clock(
     for hour in range(12):
         long = inner * (0.16 if hour % 3 == 0 else 0.09)
         if marks == "dots":
-            one = cylinder(inner * (0.035 if hour % 3 == 0 else 0.02), 0.0012, 0.0, 12)
-            one = one.moved(y=inner * 0.86)
+            mark = cylinder(inner * (0.035 if hour % 3 == 0 else 0.02), 0.0012, 0.0, 12)
+            mark = mark.moved(y=inner * 0.86)
         elif marks == "numerals":
             strokes = (3, 1, 2, 3, 2, 1, 2, 3, 4, 2, 1, 2)[hour]
             bars = [
@@ -59,10 +59,10 @@ def clock(
                 )
                 for i in range(strokes)
             ]
-            one = joined(bars)
+            mark = joined(bars)
         else:
-            one = block((inner * 0.03, long, 0.0012), 0.0003).moved(y=inner * 0.92 - long / 2)
-        pieces.append(one.turned("z", -30.0 * hour).moved(z=face_z - 0.0004))
+            mark = block((inner * 0.03, long, 0.0012), 0.0003).moved(y=inner * 0.92 - long / 2)
+        pieces.append(mark.turned("z", -30.0 * hour).moved(z=face_z - 0.0004))
     hands = [
         _hand(inner * 0.52, inner * 0.05, 10.17, face_z + 0.002),
         _hand(inner * 0.78, inner * 0.035, 2.0, face_z + 0.0045),

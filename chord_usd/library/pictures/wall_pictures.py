@@ -140,11 +140,11 @@ def framed_art(
 def pair(size_m: Size, *, rail_m: float = 0.015, mount_m: float = 0.05) -> tuple[Part, ...]:
     """Two frames of one size side by side, a hand apart."""
     length, width, height = size_m
-    one = (length - 0.07) / 2
-    at = (length - one) / 2
+    frame_m = (length - 0.07) / 2
+    at = (length - frame_m) / 2
     return (
-        *framed_art(one, width, height, rail_m, mount_m, False, "_Left", "art", -at),
-        *framed_art(one, width, height, rail_m, mount_m, False, "_Right", "art_b", at),
+        *framed_art(frame_m, width, height, rail_m, mount_m, False, "_Left", "art", -at),
+        *framed_art(frame_m, width, height, rail_m, mount_m, False, "_Right", "art_b", at),
     )
 
 

@@ -265,10 +265,10 @@ def _on_stand(r: float, h: float) -> Pot:
         block((2 * at, 0.022, 0.022), 0.003).turned("z", turn).moved(z=low - 0.0215 - i * 0.001)
         for i, turn in enumerate((45, 135))
     ]
-    felt = (cylinder(inner, h - low).moved(z=low), cylinder(0.7 * inner, low))
+    colliders = (cylinder(inner, h - low).moved(z=low), cylinder(0.7 * inner, low))
     return Pot(
         (
-            Part("Pot", body, "pot", felt=felt),
+            Part("Pot", body, "pot", colliders=colliders),
             Part("Stand", joined([*legs, *bars]), "stand", None),
             _soil(inner - 0.01, floor),
         ),

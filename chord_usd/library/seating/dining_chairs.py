@@ -1,4 +1,4 @@
-"""Dining chairs: one frame, backs that tell the styles apart."""
+"""Dining chairs: one frame, backs that distinguish the styles."""
 
 from __future__ import annotations
 

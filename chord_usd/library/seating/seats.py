@@ -199,7 +199,7 @@ def barrel_chair(size_m: Size) -> tuple[Part, ...]:
     return (
         Part("Foot", foot, "leg"),
         Part("Base", base.moved(y=-0.02, z=0.12), "cloth"),
-        Part("Shell", shell.moved(z=0.1), "cloth", felt=(back, arm, arm.scaled(x=-1.0))),
+        Part("Shell", shell.moved(z=0.1), "cloth", colliders=(back, arm, arm.scaled(x=-1.0))),
         Part("Seat", seat.moved(y=-0.06, z=0.25), "cushion"),
     )
 

@@ -61,7 +61,7 @@ def open_box(size_m: Size) -> tuple[Part, ...]:
         for x in (-0.04, 0.04)
     ]
     return (
-        Part("Tub", tub, "cloth", felt=(box((length, width - 0.01, height)),)),
+        Part("Tub", tub, "cloth", colliders=(box((length, width - 0.01, height)),)),
         Part("Strap", strap, "grip", None),
         Part("Studs", joined(studs), "metal", None),
     )
@@ -90,7 +90,10 @@ def wooden_box(size_m: Size) -> tuple[Part, ...]:
     sides = pair(long, y=(width - t) / 2)
     return (
         Part(
-            "Boards", joined([*sides, *ends, floor]), "wood", felt=(box((length, width, height)),)
+            "Boards",
+            joined([*sides, *ends, floor]),
+            "wood",
+            colliders=(box((length, width, height)),),
         ),
     )
 
@@ -113,4 +116,4 @@ def woven_box(size_m: Size) -> tuple[Part, ...]:
     radius = np.hypot(flat[:, 0], flat[:, 1])
     points[:, :2] = flat / norm[:, None] * radius[:, None] * [length * 0.99, width * 0.99]
     skin = Solid(points, round_.faces)
-    return (Part("Wall", skin, "weave", felt=(box((length * 0.98, width * 0.98, height)),)),)
+    return (Part("Wall", skin, "weave", colliders=(box((length * 0.98, width * 0.98, height)),)),)

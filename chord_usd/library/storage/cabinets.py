@@ -176,8 +176,8 @@ def bookcase(size_m: Size, *, low: float = 0.5) -> tuple[Part, ...]:
     face = list(cells(length - 0.006, low - 0.01, 2 * bays, z_m=base + 0.005))
     return (
         plinth(size_m, base),
-        Part("Uprights", joined(uprights), "body", felt=tuple(uprights)),
-        Part("Shelves", joined(boards), "body", felt=tuple(boards)),
+        Part("Uprights", joined(uprights), "body", colliders=tuple(uprights)),
+        Part("Shelves", joined(boards), "body", colliders=tuple(boards)),
         Part("Back", back, "back"),
         hollow_part("Cupboard", cupboard),
         *doors(face, y, "knob"),

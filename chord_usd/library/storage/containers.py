@@ -86,7 +86,7 @@ def round_basket(size_m: Size, *, has_throw: bool = False, belly: float = 1.0) -
     rim = hollow([(r * 0.925, top - 0.016), (r * 0.94, top - 0.007), (r * 0.925, top)], 0.016, 40)
     ears = pair(_ear(0.12, 0.066, 0.0075).moved(z=top), x=r * 0.92)
     parts = [
-        Part("Wall", wall, "weave", felt=(cylinder(r * 0.95, top),)),
+        Part("Wall", wall, "weave", colliders=(cylinder(r * 0.95, top),)),
         Part("Rim", joined([rim, *ears]), "weave", None),
     ]
     if has_throw:
@@ -139,7 +139,7 @@ def laundry(size_m: Size) -> tuple[Part, ...]:
         loop=True,
     )
     return (
-        Part("Slats", joined(slats), "weave", felt=(box((length, width, height)),)),
+        Part("Slats", joined(slats), "weave", colliders=(box((length, width, height)),)),
         Part("Hoops", joined(hoops), "weave", None),
         Part("Lining", joined([bag, cuff]), "cloth", None),
     )
@@ -164,7 +164,7 @@ def wire_basket(size_m: Size) -> tuple[Part, ...]:
     ]
     grips = [tube([[x, -0.05, top + 0.004], [x, 0.05, top + 0.004]], 0.009, 8) for x in (-r, r)]
     return (
-        Part("Wire", joined([*ribs, *hoops, *base]), "weave", felt=(cylinder(r, top),)),
+        Part("Wire", joined([*ribs, *hoops, *base]), "weave", colliders=(cylinder(r, top),)),
         Part("Grips", joined(grips), "grip", None),
     )
 
@@ -221,7 +221,7 @@ def paper_bin(size_m: Size) -> tuple[Part, ...]:
         crumple = lathe([(0.0, 0.0), (0.026, 0.01), (0.036, 0.032), (0.024, 0.056), (0.0, 0.06)], 9)
         balls.append(outward(crumple.turned("x", 40.0 * index)).moved(x * r, y * r, 0.03))
     return (
-        Part("Wall", wall, "metal", felt=(cylinder(r * 0.95, height),)),
+        Part("Wall", wall, "metal", colliders=(cylinder(r * 0.95, height),)),
         Part("Rim", rim, "metal", None),
         Part("Paper", joined(balls), "paper", None),
     )
@@ -264,7 +264,7 @@ def slat_bin(size_m: Size) -> tuple[Part, ...]:
         for z in (height * 0.15, height * 0.8)
     ]
     return (
-        Part("Slats", joined(slats), "wood", felt=(cylinder(r, height),)),
+        Part("Slats", joined(slats), "wood", colliders=(cylinder(r, height),)),
         Part("Pail", pail, "plastic", None),
         Part("Hoops", joined(hoops), "plastic", None),
     )

@@ -94,7 +94,7 @@ def ladder(size_m: Size) -> tuple[Part, ...]:
             for z in _ladder_boards(height)
         ]
     return (
-        Part("Boards", joined(boards), "board", felt=tuple(boards)),
+        Part("Boards", joined(boards), "board", colliders=tuple(boards)),
         Part("Sides", joined(frames), "metal", None),
     )
 
@@ -114,8 +114,8 @@ def box_shelf(size_m: Size) -> tuple[Part, ...]:
         for x in (-(length - 0.02) / 2, (length - 0.02) / 2, length * 0.12)
     ]
     return (
-        Part("Boards", joined(boards), "board", felt=tuple(boards)),
-        Part("Uprights", joined(uprights), "board", felt=tuple(uprights)),
+        Part("Boards", joined(boards), "board", colliders=tuple(boards)),
+        Part("Uprights", joined(uprights), "board", colliders=tuple(uprights)),
         Part("Back", back, "back", None),
     )
 
@@ -156,9 +156,9 @@ def hooks(size_m: Size) -> tuple[Part, ...]:
     length, width, height = size_m
     board = block((length, 0.018, height * 0.75), 0.005).moved(y=width / 2 - 0.009, z=height * 0.1)
     count = max(3, round(length / 0.16))
-    one = _hook((width - 0.022) / 1.2, height * 0.36)
+    hook = _hook((width - 0.022) / 1.2, height * 0.36)
     row = [
-        one.moved(((i + 0.5) / count - 0.5) * length, width / 2 - 0.018, height * 0.52)
+        hook.moved(((i + 0.5) / count - 0.5) * length, width / 2 - 0.018, height * 0.52)
         for i in range(count)
     ]
     return Part("Board", board, "board", None), Part("Hooks", joined(row), "metal", None)

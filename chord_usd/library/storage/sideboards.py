@@ -105,7 +105,7 @@ def hutch(size_m: Size) -> tuple[Part, ...]:
         *doors(list(cells(length - 0.014, low - base - 0.008, columns, z_m=base + 0.004)), y,
                "knob", framed=True),
         Part("Counter", counter.moved(y=HANDLE_M / 2 - 0.005, z=low), "top"),
-        Part("Upper_Cabinet", joined(shell), "body", felt=tuple(shell)),
+        Part("Upper_Cabinet", joined(shell), "body", colliders=tuple(shell)),
         Part("Plates", joined(plates), "plate", collider=None),
         moving_part("Glazed_Doors", sashes, "front", leaves, None),
         moving_part("Glazing", panes, "pane", leaves, None),
@@ -158,7 +158,7 @@ def bedside_table(
     plate = rounded_slab((length, width - HANDLE_M + 0.004, board), 0.006, 0.004, 3)
     return (
         *four_legs(length - 0.04, width - 0.08, 0.115, 0.035),
-        Part("Sides", mirrored_pair(right), "body", felt=(right, right.scaled(x=-1.0))),
+        Part("Sides", mirrored_pair(right), "body", colliders=(right, right.scaled(x=-1.0))),
         Part("Shelf", shelf, "body"),
         hollow_part("Drawer_Box", case),
         Part("Back", back, "body"),
@@ -217,7 +217,7 @@ def _flat_front(size_m: Size, *, has_slats: bool) -> tuple[Part, ...]:
     face = list(cells(length - 0.016, height - base - top - 0.006, columns, z_m=base + 0.003))
     if has_slats:
         slatted = [_slatted(c, y) for c in face]
-        leaves = [door(one, hung=hung(c)) for c, one in zip(face, slatted, strict=True)]
+        leaves = [door(panel, hung=hung(c)) for c, panel in zip(face, slatted, strict=True)]
         panels = moving_part("Doors", slatted, "front", leaves)
     else:
         (panels,) = drawers(face, y, "none")
@@ -254,7 +254,7 @@ def _open_middle(size_m: Size) -> tuple[Part, ...]:
     return (
         *four_legs(length - 0.1, width - 0.04, base + 0.01, 0.05, is_round=True, splay_m=0.05),
         Part("Bottom", plate.scaled(0.998, 0.998, 1.0).moved(z=base), "body"),
-        Part("Ends", joined(ends), "body", felt=ends, hollow=ends),
+        Part("Ends", joined(ends), "body", colliders=ends, hollow=ends),
         Part("Back", back, "body", collider=None),
         Part("Shelf", shelf, "body", collider=None),
         *doors(face, y, "none"),

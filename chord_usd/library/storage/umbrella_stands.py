@@ -84,7 +84,7 @@ def umbrella_stand(size_m: Size, *, kind: str = "cylinder") -> tuple[Part, ...]:
             z=0.01
         )
         parts += [
-            Part("Frame", joined([*posts, *rails]), "body", felt=(box((side, side, tall)),)),
+            Part("Frame", joined([*posts, *rails]), "body", colliders=(box((side, side, tall)),)),
             Part("Tray", tray, "tray", None),
         ]
     else:
@@ -101,7 +101,7 @@ def umbrella_stand(size_m: Size, *, kind: str = "cylinder") -> tuple[Part, ...]:
             ],
         }[kind]
         body = cup(profile, 0.007, 0.02, 40)
-        parts.append(Part("Body", body, "body", felt=(cylinder(r, tall),)))
+        parts.append(Part("Body", body, "body", colliders=(cylinder(r, tall),)))
         if kind == "cylinder":
             bands = [
                 hollow([(r + 0.0015, z), (r + 0.0015, z + 0.012)], 0.004, 40)

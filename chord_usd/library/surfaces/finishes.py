@@ -75,7 +75,7 @@ def _finish(row: Mapping[str, str]) -> Finish:
 
 @cache
 def finish_table(name: str) -> dict[str, Finish]:
-    """Finish by name: those of a table of finishes.tsv, beside and before the common ones."""
+    """Finish by name: a table of finishes.tsv, beside and before the common finishes."""
     return {**_tables()["common"], **_tables()[name]}
 
 

@@ -74,7 +74,7 @@ _STUFFS = {
     "plastic": ("moulded",),
     "lacquer": ("plain",),
 }
-_STUFF_OF: dict[str, str] = {one: stuff for stuff, ones in _STUFFS.items() for one in ones}
+_STUFF_OF: dict[str, str] = {name: stuff for stuff, names in _STUFFS.items() for name in names}
 
 
 def stuff_of(finish: Finish) -> str:
@@ -85,7 +85,7 @@ def stuff_of(finish: Finish) -> str:
 
 
 def write_feel(prim: Usd.Prim, feel: Feel) -> None:
-    """Make a material one that is felt, too."""
+    """Make a material a physics material, too."""
     from pxr import Sdf, UsdPhysics
 
     UsdPhysics.MaterialAPI.Apply(prim)

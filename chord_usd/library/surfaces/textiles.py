@@ -53,7 +53,7 @@ TEXTILES: dict[str, Finish] = {
     **_textiles(),
     **finish_table("textiles"),
 }
-"""By name: `colour_cloth`, such as sage_linen, beside all those of the furniture."""
+"""By name: `colour_cloth`, such as sage_linen, beside the furniture's finishes."""
 
 
 BED_LINEN: dict[str, Finish] = {
@@ -67,4 +67,4 @@ BED_LINEN: dict[str, Finish] = {
 """TEXTILES, and each woven one as it is on a bed: `white_cloth_bedding` is creased."""
 
 DRY_TEXTILES: dict[str, Finish] = {**TEXTILES, **finish_table("dry")}
-"""TEXTILES beside those of dry rooms, which count where both have a name."""
+"""TEXTILES beside the textiles of dry rooms, which count where both have a name."""

@@ -1,8 +1,8 @@
-"""Tables that tell one style from another: turned legs, slab ends, welded steel, low thick tops."""
+"""Tables that distinguish the styles: turned legs, slab ends, welded steel, low thick tops."""
 
 from __future__ import annotations
 
-from chord_usd.library.kit.joinery import felt_round, four_legs
+from chord_usd.library.kit.joinery import four_legs, round_colliders
 from chord_usd.library.kit.model import Part
 from chord_usd.library.kit.solids import (
     Size,
@@ -70,7 +70,7 @@ def panel_table(size_m: Size) -> tuple[Part, ...]:
     beam = block((length - 2 * inset, 0.03, beam_m)).moved(z=tall - beam_m - 0.001)
     return (
         Part("Top", top, "top"),
-        Part("Ends", mirrored_pair(end), "leg", felt=(end, end.scaled(x=-1.0))),
+        Part("Ends", mirrored_pair(end), "leg", colliders=(end, end.scaled(x=-1.0))),
         Part("Beam", beam, "leg", collider=None),
     )
 
@@ -89,14 +89,14 @@ def steel_table(size_m: Size, *, has_wheels: bool = True) -> tuple[Part, ...]:
     low_z = foot + 0.02
     frame = hoop.moved(z=tall - bar) + hoop.moved(z=low_z)
     upright = block((bar + 0.004, bar + 0.004, tall - foot - 0.001), 0.002).moved(z=foot)
-    # It is felt as if it stood on its posts.
+    # It collides as if it stood on its posts.
     stand = block((bar, bar, tall - 0.001))
     px, py = x - 0.002, y - 0.002
     places = ((-px, py), (-px, -py), (px, -py), (px, py))
     parts = [
         Part("Top", _planks(length, width, plank_m).moved(z=tall), "top"),
         Part("Frame", frame, "leg", collider=None),
-        *(Part(f"Post_{i}", upright.moved(*at), "leg", felt=(stand.moved(*at),))
+        *(Part(f"Post_{i}", upright.moved(*at), "leg", colliders=(stand.moved(*at),))
           for i, at in enumerate(places, start=1)),
         Part("Shelf", _planks(length - 2 * bar, width - 2 * bar, 0.024).moved(z=low_z + 0.004),
              "top"),
@@ -104,7 +104,7 @@ def steel_table(size_m: Size, *, has_wheels: bool = True) -> tuple[Part, ...]:
     if has_wheels:
         tyre = cylinder(foot / 2, 0.024, 0.004, 20).moved(z=-0.012).turned("x", 90)
         wheels = [tyre.moved(0.94 * at_x, 0.94 * at_y, foot / 2) for at_x, at_y in places]
-        parts.append(Part("Wheels", joined(wheels), "leg", felt=tuple(wheels)))
+        parts.append(Part("Wheels", joined(wheels), "leg", colliders=tuple(wheels)))
     return tuple(parts)
 
 
@@ -142,8 +142,11 @@ def turned_pedestal(size_m: Size) -> tuple[Part, ...]:
         (0.036, 0.3 * height), (0.05, 0.45 * height), (0.03, 0.62 * height), (0.034, 0.8 * height),
         (0.07, height - 0.05), (0.07, height - 0.026),
     ]  # fmt: skip
-    felt = (*felt_round(cylinder(foot, 0.022)), cylinder(0.05, height - 0.05).moved(z=0.02))
+    colliders = (
+        *round_colliders(cylinder(foot, 0.022)),
+        cylinder(0.05, height - 0.05).moved(z=0.02),
+    )
     return (
-        Part("Top", top, "top", felt=felt_round(top)),
-        Part("Column", lathe(rounded_profile(profile, 1), 28), "leg", felt=felt),
+        Part("Top", top, "top", colliders=round_colliders(top)),
+        Part("Column", lathe(rounded_profile(profile, 1), 28), "leg", colliders=colliders),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-from chord_usd.library.kit.joinery import HANDLE_M, cells, drawers, felt_round, four_legs
+from chord_usd.library.kit.joinery import HANDLE_M, cells, drawers, four_legs, round_colliders
 from chord_usd.library.kit.model import Part, hollow_part, placed
 from chord_usd.library.kit.solids import (
     Size,
@@ -71,9 +71,9 @@ def trestle_table(size_m: Size) -> tuple[Part, ...]:
 
 
 def _portal(name: str, bars: Sequence[Solid], x_m: float) -> Part:
-    """Bars that are felt one by one: feet go between them."""
+    """Bars that collide one by one: feet go between them."""
     moved = tuple(bar.moved(x=x_m) for bar in bars)
-    return Part(name, joined(moved), "leg", felt=moved)
+    return Part(name, joined(moved), "leg", colliders=moved)
 
 
 def pedestal_table(size_m: Size, *, foot_m: float = 0.28) -> tuple[Part, ...]:
@@ -86,10 +86,13 @@ def pedestal_table(size_m: Size, *, foot_m: float = 0.28) -> tuple[Part, ...]:
         (0.04, height - 0.12), (0.09, height - 0.03), (0.09, height - 0.028),
     ]  # fmt: skip
     top = top.moved(z=height - 0.03)
-    felt = (*felt_round(cylinder(foot, 0.022)), cylinder(0.06, height - 0.05).moved(z=0.02))
+    colliders = (
+        *round_colliders(cylinder(foot, 0.022)),
+        cylinder(0.06, height - 0.05).moved(z=0.02),
+    )
     return (
-        Part("Top", top, "top", felt=felt_round(top)),
-        Part("Column", lathe(column, 28), "leg", felt=felt),
+        Part("Top", top, "top", colliders=round_colliders(top)),
+        Part("Column", lathe(column, 28), "leg", colliders=colliders),
     )
 
 
@@ -135,7 +138,7 @@ def waterfall_table(size_m: Size) -> tuple[Part, ...]:
                      y_face, "knob")  # fmt: skip
     return (
         Part("Top", top, "top"),
-        Part("Sides", mirrored_pair(right), "top", felt=(right, right.scaled(x=-1.0))),
+        Part("Sides", mirrored_pair(right), "top", colliders=(right, right.scaled(x=-1.0))),
         hollow_part("Drawer_Box", case),
         *fronts,
     )  # fmt: skip
@@ -149,8 +152,8 @@ def nest_of_drums(size_m: Size) -> tuple[Part, ...]:
     low = lathe(profile, 40).moved(x=-length / 2 + big)
     tall = cylinder(small, height - 0.001, 0.012, 32).moved(length / 2 - small, -(big - small))
     return (
-        Part("Low_Table", low, "top", felt=felt_round(low)),
-        Part("High_Table", tall, "leg", felt=felt_round(tall)),
+        Part("Low_Table", low, "top", colliders=round_colliders(low)),
+        Part("High_Table", tall, "leg", colliders=round_colliders(tall)),
     )
 
 
@@ -172,7 +175,7 @@ def tray_table(size_m: Size) -> tuple[Part, ...]:
         points[:, 0] += reach * (0.85 - 0.35 * points[:, 2] / height)
         legs.append(type(leg)(points, leg.faces).turned("z", 90 + 120 * index))
     return (
-        Part("Tray", tray.moved(z=height - 0.04), "top", felt=felt_round(plate)),
+        Part("Tray", tray.moved(z=height - 0.04), "top", colliders=round_colliders(plate)),
         *(Part(f"Leg_{i}", leg, "leg") for i, leg in enumerate(legs, start=1)),
     )
 
@@ -187,7 +190,7 @@ def cube_table(size_m: Size) -> tuple[Part, ...]:
         Part("Top", rounded_slab((length, width, board), 0.01, 0.004).moved(z=height - board),
              "top"),
         Part("Bottom", block((length - 0.002, width - 0.002, board)), "leg"),
-        Part("Sides", mirrored_pair(right), "leg", felt=(right, right.scaled(x=-1.0))),
+        Part("Sides", mirrored_pair(right), "leg", colliders=(right, right.scaled(x=-1.0))),
         Part("Shelf", block((length - 2 * board, width - 0.03, 0.018)).moved(z=height * 0.45),
              "leg"),
         Part("Back", block((length - 2 * board, 0.012, height - 2 * board)).moved(

@@ -75,10 +75,10 @@ def _brackets(
     plate = block((0.03, 0.006, height - 0.004), 0.002).moved(y=back - 0.003, z=0.002)
     arm = tube(bent_path([[0, back - 0.004, z], [0, y - radius * 0.2, z]], 0.01), 0.006, 10)
     cup = cylinder(radius * 1.25, 0.016, 0.003, 16).moved(z=-0.008).turned("y", 90)
-    one = plate + arm + cup.moved(y=y, z=z)
+    bracket = plate + arm + cup.moved(y=y, z=z)
     side = length / 2 - min(0.14, 0.12 * length)
     places = [-side, side] if length < 2.0 else [-side, 0.0, side]
-    return joined([one.moved(x) for x in places])
+    return joined([bracket.moved(x) for x in places])
 
 
 def track(size_m: Size) -> tuple[Part, ...]:

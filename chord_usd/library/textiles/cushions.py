@@ -30,14 +30,14 @@ def cushion(size_m: Size, *, filling: Filling, piped: bool = False) -> tuple[Par
     case = stuffed(length, height / 0.94, filling)
     solids = [case.solid, _cord(case)] if piped else [case.solid]
     # Its underside becomes its back; then it is brought to its size as a whole.
-    upright = [one.turned("x", _LEAN_DEG) for one in solids]
-    bounds = np.array([one.bounds_m() for one in upright])
+    upright = [solid.turned("x", _LEAN_DEG) for solid in solids]
+    bounds = np.array([solid.bounds_m() for solid in upright])
     low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
     middle = (low + high) / 2
     scale = np.array(size_m) / (high - low)
     placed = [
-        one.moved(-float(middle[0]), -float(middle[1]), -float(low[2])).scaled(*scale)
-        for one in upright
+        solid.moved(-float(middle[0]), -float(middle[1]), -float(low[2])).scaled(*scale)
+        for solid in upright
     ]
     parts = [Part("Cushion", placed[0], "cloth", None, uvs=case.corner_uvs_m())]
     if piped:
@@ -114,7 +114,7 @@ def seat_throw(size_m: Size, *, throw: Throw) -> tuple[Part, ...]:
     made, fringe = laid_over(throw, place, length)
     points, faces, uvs = made
     turned = [Solid(frozen_array(points), frozen_array(faces, np.int64)), fringe]
-    cloth, fringe = (one and one.turned("z", -90) for one in turned)
+    cloth, fringe = (solid and solid.turned("z", -90) for solid in turned)
     assert cloth is not None
     return _fitted(size_m, (cloth.points_m, faces, uvs), fringe)
 

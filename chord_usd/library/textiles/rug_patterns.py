@@ -73,12 +73,12 @@ def plain(x, y, length, width, rng):
 def stripes(x, y, length, width, rng):
     """Bands across the length, broad and fine, mirrored about the middle."""
     at = np.abs(x) / max(length / 2, 1e-6)
-    found = np.zeros_like(x)
+    codes = np.zeros_like(x)
     for middle, half, colour in ((0.93, 0.03, 1), (0.85, 0.012, 2), (0.8, 0.012, 1),
                                  (0.55, 0.02, 2), (0.5, 0.008, 1), (0.16, 0.03, 1),
                                  (0.08, 0.01, 2)):  # fmt: skip
-        found[np.abs(at - middle) < half] = colour
-    return found
+        codes[np.abs(at - middle) < half] = colour
+    return codes
 
 
 def ribs(x, y, length, width, rng):
@@ -94,9 +94,9 @@ def berber(x, y, length, width, rng):
     a = np.abs(((u + v + skew) % 1.0) - 0.5)
     b = np.abs(((u - v - skew) % 1.0) - 0.5)
     line = np.minimum(a, b)
-    found = np.clip(1.6 - line / 0.022, 0.0, 1.0)
+    codes = np.clip(1.6 - line / 0.022, 0.0, 1.0)
     inner = np.clip(1.4 - np.abs(np.maximum(a, b) - 0.34) / 0.014, 0.0, 1.0)
-    return np.maximum(found, np.where(np.floor(u + v) % 3 == 0, inner, 0.0))
+    return np.maximum(codes, np.where(np.floor(u + v) % 3 == 0, inner, 0.0))
 
 
 def checks(x, y, length, width, rng):
@@ -106,14 +106,14 @@ def checks(x, y, length, width, rng):
 
 def arcs(x, y, length, width, rng):
     """Calm large shapes: an arch, a disc and a field, as on modern tufted carpets."""
-    found = np.zeros_like(x)
-    found[x + 0.35 * np.sin(2.2 * y + 0.6) > 0.12 * length] = 1
+    codes = np.zeros_like(x)
+    codes[x + 0.35 * np.sin(2.2 * y + 0.6) > 0.12 * length] = 1
     disc = np.hypot(x + 0.18 * length, y - 0.12 * width)
-    found[disc < 0.27 * width] = 2
+    codes[disc < 0.27 * width] = 2
     ring = np.hypot(x - 0.3 * length, y + 0.5 * width)
-    found[np.abs(ring - 0.42 * width) < 0.012] = 3
-    found[np.abs(ring - 0.34 * width) < 0.012] = 3
-    return found
+    codes[np.abs(ring - 0.42 * width) < 0.012] = 3
+    codes[np.abs(ring - 0.34 * width) < 0.012] = 3
+    return codes
 
 
 def rings(x, y, length, width, rng):
@@ -121,8 +121,8 @@ def rings(x, y, length, width, rng):
     around = np.hypot(x, y)
     braid = 0.004 * np.sin(160 * np.arctan2(y, x) * np.maximum(around, 0.05))
     ring = (around + braid) / 0.026
-    found = 0.25 * (np.floor(ring) % 2)
-    return np.where((around > 0.36 * length) & (around < 0.42 * length), 1.0, found)
+    codes = 0.25 * (np.floor(ring) % 2)
+    return np.where((around > 0.36 * length) & (around < 0.42 * length), 1.0, codes)
 
 
 def tatami(x, y, length, width, rng):
@@ -135,56 +135,56 @@ def persian(x, y, length, width, rng):
     """A medallion in a field of flowers, guard stripes and a broad border of rosettes."""
     edge = edge_distance(x, y, length, width)
     border = min(0.13 * width, 0.26)
-    found = np.zeros_like(x)
+    codes = np.zeros_like(x)
     field_l, field_w = length / 2 - border, width / 2 - border
     u, v = np.abs(x), np.abs(y)
     # Field: a lattice of small flowers on curling stems.
     pitch = 0.17
     row = np.floor(v / pitch)
     a, b = (u + (row % 2) * pitch / 2) % pitch - pitch / 2, v % pitch - pitch / 2
-    found[_flower(a, b, 0.045, 5)] = 3
-    found[np.hypot(a, b) < 0.012] = 2
+    codes[_flower(a, b, 0.045, 5)] = 3
+    codes[np.hypot(a, b) < 0.012] = 2
     vine = np.abs(b - 0.03 * np.sin(2 * np.pi * u / pitch)) < 0.004
-    found[vine & (found == 0)] = 4
+    codes[vine & (codes == 0)] = 4
     # Medallion: lobed rings, and pendants along the length.
     radius = np.hypot(u / 1.25, v)
     lobes = 1.0 + 0.08 * np.cos(16 * np.arctan2(v * 1.25, u))
     size = 0.62 * field_w
     for share, colour in ((1.0, 2), (0.94, 1), (0.72, 2), (0.68, 0), (0.45, 3), (0.4, 1),
                           (0.2, 2), (0.12, 3)):  # fmt: skip
-        found[radius < share * size * lobes] = colour
+        codes[radius < share * size * lobes] = colour
     inner = (radius > 0.74 * size * lobes) & (radius < 0.92 * size * lobes)
     petal = np.cos(24 * np.arctan2(v * 1.25, u)) > 0.6
-    found[inner & petal] = 3
+    codes[inner & petal] = 3
     pendant = np.abs(u - 1.25 * size - 0.09) / 1.4 + v < 0.075
-    found[pendant] = 1
+    codes[pendant] = 1
     # Spandrels: quarter medallions in the corners of the field.
     corner = np.hypot((field_l - u) / 1.2, field_w - v)
     wave = 1.0 + 0.07 * np.cos(14 * np.arctan2(field_w - v, field_l - u))
     for share, colour in ((1.0, 2), (0.93, 1), (0.6, 2), (0.55, 3), (0.3, 1)):
-        found[corner < share * 0.55 * field_w * wave] = colour
-    return _persian_border(found, x, y, length, width, edge, border)
+        codes[corner < share * 0.55 * field_w * wave] = colour
+    return _persian_border(codes, x, y, length, width, edge, border)
 
 
-def _persian_border(found, x, y, length, width, edge, border):
+def _persian_border(codes, x, y, length, width, edge, border):
     along = np.where(length / 2 - np.abs(x) < width / 2 - np.abs(y), np.abs(y), np.abs(x))
     inside = edge < border
-    found = np.where(inside, 1.0, found)
+    codes = np.where(inside, 1.0, codes)
     guard = (edge > border * 0.86) | (edge < border * 0.2)
-    found = np.where(inside & guard, 4.0, found)
+    codes = np.where(inside & guard, 4.0, codes)
     dots = (np.floor(along / 0.02) % 2 == 0) & guard & (np.abs((edge / border) % 0.8 - 0.1) < 0.05)
-    found = np.where(inside & dots, 2.0, found)
+    codes = np.where(inside & dots, 2.0, codes)
     middle = edge - border * 0.53
     pitch = 0.15
     a = along % pitch - pitch / 2
     rosette = _flower(a, middle, border * 0.22, 8) & inside
-    found = np.where(rosette, 3.0, found)
-    found = np.where(inside & (np.hypot(a, middle) < border * 0.07), 2.0, found)
+    codes = np.where(rosette, 3.0, codes)
+    codes = np.where(inside & (np.hypot(a, middle) < border * 0.07), 2.0, codes)
     bud = (np.hypot(along % pitch - 0.0, middle * 0.8) < border * 0.09) & inside
-    found = np.where(bud, 2.0, found)
+    codes = np.where(bud, 2.0, codes)
     for at in (0.2, 0.86, 0.995):
-        found = np.where(np.abs(edge - border * at) < 0.005, 2.0, found)
-    return np.where(edge < 0.016, 1.0, found)
+        codes = np.where(np.abs(edge - border * at) < 0.005, 2.0, codes)
+    return np.where(edge < 0.016, 1.0, codes)
 
 
 def _flower(a, b, size, petals):

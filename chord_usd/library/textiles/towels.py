@@ -42,8 +42,8 @@ def rail(size_m: Size, *, square: bool = False) -> tuple[Part, ...]:
     elif length < 0.5:
         hung = [("towel_long", length - 0.12, 0.0)]
     towels = [_towel(name, wide).moved(x=x) for name, wide, x in hung]
-    high = max(float(one.solid.bounds_m()[1, 2]) for one in towels)
-    front = min(float(one.solid.bounds_m()[0, 1]) for one in towels)
+    high = max(float(towel.solid.bounds_m()[1, 2]) for towel in towels)
+    front = min(float(towel.solid.bounds_m()[0, 1]) for towel in towels)
     y, z = -width / 2 - front, height - high
     if square:
         bar = block((length - 0.004, 0.016, 0.016), 0.002).moved(y=y, z=z - 0.008)
@@ -67,8 +67,8 @@ def _brackets(length: float, back: float, y: float, z: float) -> Solid:
 def _towel_parts(towels: list[Cloth], y: float, z: float) -> tuple[Part, ...]:
     names = (("Towel", "towel"), ("Hand_Towel", "second"))
     return tuple(
-        Part(name, one.solid.moved(y=y, z=z), slot, None, uvs=one.corner_uvs_m())
-        for (name, slot), one in zip(names, towels, strict=False)
+        Part(name, towel.solid.moved(y=y, z=z), slot, None, uvs=towel.corner_uvs_m())
+        for (name, slot), towel in zip(names, towels, strict=False)
     )
 
 
@@ -113,7 +113,7 @@ def stack(size_m: Size, *, layers: int) -> tuple[Part, ...]:
         parts.setdefault(slot, []).append((solid, uvs))
     names = {"towel": "Towels", "second": "Other_Towels"}
     return tuple(
-        Part(names[slot], joined([one for one, _ in made]), slot, "boundingCube",
+        Part(names[slot], joined([solid for solid, _ in made]), slot, "boundingCube",
              uvs=np.concatenate([uvs for _, uvs in made]))
         for slot, made in parts.items()
     )  # fmt: skip

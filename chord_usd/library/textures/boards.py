@@ -159,16 +159,16 @@ def hexagons(ground: Ground, columns: int, rows: int, *, round_: bool = False) -
     wide, pitch = ground.tile_m[0] / columns, ground.tile_m[1] / rows
     x, y = ground.x_m[None, :], ground.y_m[:, None]
     nearest: tuple[Raster, ...] | None = None
-    for start in (0, 1):  # the even rows, then the odd ones
+    for start in (0, 1):  # the rows 0, 2, 4, ..., then the rows 1, 3, 5, ...
         j = np.round((y / pitch - start) / 2) * 2 + start
         i = np.round(x / wide - start / 2)
         dx, dy = x - (i + start / 2) * wide, y - j * pitch
-        found = (dx * dx + dy * dy, dx, dy, (j % rows) * columns + i % columns)
+        candidate = (dx * dx + dy * dy, dx, dy, (j % rows) * columns + i % columns)
         if nearest is None:
-            nearest = tuple(np.broadcast_to(part, ground.shape) for part in found)
+            nearest = tuple(np.broadcast_to(part, ground.shape) for part in candidate)
         else:
-            closer = found[0] < nearest[0]
-            nearest = tuple(np.where(closer, a, b) for a, b in zip(found, nearest, strict=True))
+            closer = candidate[0] < nearest[0]
+            nearest = tuple(np.where(closer, a, b) for a, b in zip(candidate, nearest, strict=True))
     assert nearest is not None
     square, dx, dy, index = nearest
     if round_:

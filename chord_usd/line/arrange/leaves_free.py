@@ -17,7 +17,7 @@ from chord_usd.base.places.swept import Boxes, Leaf, way_of
 from chord_usd.base.scene.geometry import footprint_polygon, resized
 from chord_usd.base.scene.palette import Mount, category
 from chord_usd.base.scene.types import Box, Item, SceneGraph
-from chord_usd.library.asset_shapes import felt_boxes, leaves_of
+from chord_usd.library.asset_shapes import collider_boxes, leaves_of
 from chord_usd.line.arrange.arrangement import Arrangement
 from chord_usd.line.arrange.off_trim import is_in_trim, trim_of
 from chord_usd.line.graph.match import fitted_box
@@ -58,7 +58,7 @@ def _near(item: Item, items: dict[str, Item], trim: Sequence[Box]) -> Boxes:
               and category(other.category).mount is not Mount.UNDERFOOT
               and footprint_polygon(other.box).intersects(reach)]  # fmt: skip
     casing = [Boxes.filling(box) for box in trim if footprint_polygon(box).intersects(reach)]
-    return Boxes.joined([*(felt_boxes(other) for other in around), *casing])
+    return Boxes.joined([*(collider_boxes(other) for other in around), *casing])
 
 
 def _shut(leaves: Sequence[Leaf], box: Box, near: Boxes, floor: shapely.Geometry) -> float:

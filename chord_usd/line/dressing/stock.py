@@ -40,9 +40,9 @@ class Stock:
             self._offered[category] = self._suiting(self.every(category))
         assets = self._offered[category]
         tagged = _with_tag(assets, tag)
-        if tagged or not any(asset.id in self._database.own for asset in assets):
+        if tagged or not any(asset.id in self._database.own_ids for asset in assets):
             return tagged
-        shipped = [a for a in self.every(category) if a.id not in self._database.own]
+        shipped = [a for a in self.every(category) if a.id not in self._database.own_ids]
         return _with_tag(self._suiting(shipped), tag)
 
     def every(self, category: str) -> tuple[Asset, ...]:
@@ -50,7 +50,7 @@ class Stock:
         return self._database.of_category(category) if category in CATEGORIES else ()
 
     def _suiting(self, assets: Sequence[Asset]) -> tuple[Asset, ...]:
-        preferred = tuple(asset for asset in assets if asset.id in self._database.own)
+        preferred = tuple(asset for asset in assets if asset.id in self._database.own_ids)
         candidates = preferred or tuple(assets)
         suited = tuple(a for a in candidates if not a.styles or self._style in a.styles)
         return suited or candidates

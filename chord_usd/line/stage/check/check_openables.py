@@ -68,7 +68,7 @@ class _Placed:
         """Boxes of its colliders, in the world."""
         if self.asset is None:
             return Boxes.filling(self.item.box)
-        return Boxes.of(self.asset.felt_m * self.factor).placed(self.box)
+        return Boxes.of(self.asset.colliders_m * self.factor).placed(self.box)
 
 
 def openables(stage: Usd.Stage, scene: StageScene) -> list[Opens]:
