@@ -109,13 +109,13 @@ class Arrangement:
             return False
         return self.movable is None or item.id in self.movable
 
-    def free_places(self, item: Item, among: Iterable[Item], *, anew: bool = False) -> FreePlaces:
+    def free_places(self, item: Item, among: Iterable[Item], *, is_new: bool = False) -> FreePlaces:
         """Free places of a piece among others, in its room and before no opening.
 
-        anew: whether its present place counts as taken, too.
+        is_new: as if it stood nowhere yet: its present place counts as taken, too.
         """
         return free_places(
-            item, self.floors.get(item.room_id), among, self.shell.clear, is_new=anew
+            item, self.floors.get(item.room_id), among, self.shell.clear, is_new=is_new
         )
 
 

@@ -285,9 +285,9 @@ def _turn_to(
 
 def swap(work: Work, intent: Intent) -> None:
     """Let two pieces change places, each with what belongs to it; else the two alone."""
-    one, other = (work.item(item_id) for item_id in intent.items)
-    with_all = [_with_belongings(work, one), _with_belongings(work, other)]
-    for groups in (with_all, [[one], [other]]):
+    item, other = (work.item(item_id) for item_id in intent.items)
+    with_all = [_with_belongings(work, item), _with_belongings(work, other)]
+    for groups in (with_all, [[item], [other]]):
         gone = with_resting(work, [piece for group in groups for piece in group])
         floor = Floor(work.graph, work.room(intent.room), gone)
         places = [list(islice(_places_of(floor, groups[at], groups[1 - at][0]), TRIED))

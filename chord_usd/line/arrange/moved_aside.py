@@ -121,7 +121,7 @@ def _way_in(corners: FloatArray, floor: shapely.Polygon) -> FloatArray:
 
 
 def _nearest(work: Arrangement, item: Item, among: list[Item]) -> Box:
-    free = work.free_places(item, among, anew=True)
+    free = work.free_places(item, among, is_new=True)
     if free.has(item.box):
         return item.box
     places = places_near(item.box, _WAYS, _STEP_M, FARTHEST_M)

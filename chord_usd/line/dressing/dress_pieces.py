@@ -113,8 +113,7 @@ def _cushions_on_sofa(frame: RoomFrame, item: Item, seat: Seat) -> None:
 
 
 def _choice(frame: RoomFrame, rng: np.random.Generator, count: int) -> list[Asset]:
-    """Square cushions of one or two kinds, in pairs; an odd number gets a long or a small
-    cushion."""
+    """Square cushions of one or two kinds, in pairs; a single last cushion is long or small."""
     offered = within(frame.stock.offered("cushion"), (0.7, 0.4, 0.6))
     tall = [asset for asset in offered if asset.size_m[2] >= _TALL_M]
     low = [asset for asset in offered if asset.size_m[2] < _TALL_M]

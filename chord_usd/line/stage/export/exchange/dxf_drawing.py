@@ -236,7 +236,7 @@ class _Sheet:
         self._space.add_blockref(self._blocks[piece.model], piece.at_m, dxfattribs=where)
 
     def _block(self, piece: Piece) -> str:
-        """Its outline, and those of its larger parts, seen from above."""
+        """Its outline, and the outlines of its larger parts, seen from above."""
         stem = identifier(piece.asset)[:200]
         name, number = stem, 1
         while name in self._document.blocks:

@@ -76,7 +76,7 @@ class _Writer:
         self._bodies(ET.SubElement(root, "worldbody"), mechanism)
         if not self._geoms:
             raise StageError(
-                "holds nothing that can be seen or felt",
+                "holds no visible mesh and no collider",
                 where=self._stage.GetRootLayer().realPath,
                 expected="meshes or colliders",
             )
