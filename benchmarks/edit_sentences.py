@@ -36,6 +36,7 @@ from chord_usd.line.pipeline.edit_house import Reading, edit  # noqa: E402
 from chord_usd.line.stage.edit.staged_house import StagedHouse, read_house  # noqa: E402
 from tests.house_facts import Facts  # noqa: E402
 
+_LAYERS: list[Sdf.Layer] = []
 FIXTURES = ROOT / "tests" / "fixtures"
 
 
@@ -119,7 +120,12 @@ def _judged(
         room: intent.style
         for intent in reading.understood.intents if intent.style for room in intent.rooms
     }  # fmt: skip
-    facts = Facts(before.graph, after.graph, ids, styles, sorted(after.locked))
+    looks = {
+        (before.room_ids[prim.name], part): str(prim.variantSelections[f"{part}Material"])
+        .partition("_")[0].lower()
+        for prim in _rooms_of(house) for part in ("wall", "floor")
+    }  # fmt: skip
+    facts = Facts(before.graph, after.graph, ids, styles, sorted(after.locked), looks)
     false = [fact for fact in said["true"] if not facts.is_true(fact)]
     if false:
         return "wrong: not what was asked", json.dumps(false)
@@ -128,8 +134,13 @@ def _judged(
 
 def _rooms(house: Path) -> dict[str, str]:
     """The text of each room, and of the rest of the layer."""
+    return {one.name: one.GetAsText() for one in _rooms_of(house)}
+
+
+def _rooms_of(house: Path) -> list[Sdf.PrimSpec]:
     layer = Sdf.Layer.OpenAsAnonymous(str(house))
-    return {one.name: one.GetAsText() for one in layer.GetPrimAtPath("/House/Rooms").nameChildren}
+    _LAYERS.append(layer)  # its specs live as long as it does
+    return list(layer.GetPrimAtPath("/House/Rooms").nameChildren)
 
 
 if __name__ == "__main__":

@@ -231,7 +231,7 @@ class House:
         progress: ProgressStyle = "none",
     ) -> tuple[str, ...]:
         """Do what a sentence says ("put a plant in bedroom 1, no rug in the hall"), in its place
-        on the stage; returns what was understood, a line for each thing.
+        on the stage; returns what was understood, a line for each thing, or an answer.
 
         storey: name or number of the one that is meant, where a house has several and the sentence
         means something on more than one. dry_run: try it, and change nothing. force: do it also
@@ -248,7 +248,7 @@ class House:
             self.path, sentence, self.path, settings, watch, storey=storey, force=force,
             dry_run=dry_run,
         )  # fmt: skip
-        self._written = self._written if dry_run else _state(self.path)
+        self._written = self._written if dry_run or not reading.is_change else _state(self.path)
         return tuple(reading.understood.told)
 
     def set_state(self, states: str) -> tuple[str, ...]:

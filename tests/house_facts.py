@@ -23,7 +23,10 @@ class Facts:
     def __init__(
         self, before: SceneGraph, after: SceneGraph, rooms: Mapping[str, str],
         styles: Mapping[str, str], locked: Sequence[str],
+        looks: Mapping[tuple[str, Any], str] | None = None,
     ) -> None:  # fmt: skip
+        """looks: names of their families, by the id of a room and its surface."""
+        self._looks = looks or {}
         self._before, self._after, self._rooms = before, after, rooms
         self._styles, self._locks = styles, locked
 
@@ -47,6 +50,9 @@ class Facts:
     def _style(self, room: str, name: str) -> bool:
         return self._styles.get(room) == name
 
+    def _look(self, room: str, surface: str, family: str) -> bool:
+        return self._looks.get((room, surface)) == family
+
     def _locked(self, room: str, names: str) -> bool:
         return all(one.id in self._locks for one in self._of(self._after, room, names))
 
@@ -57,12 +63,22 @@ class Facts:
         return [one for one in own if one.id not in old] or own
 
     def _target(self, graph: SceneGraph, room: str, name: str) -> shapely.Geometry:
+        corners = next(own for own in graph.rooms if own.id == room).polygon_m
+        if name == "corner":
+            return shapely.MultiPoint(corners)
+        if name == "west wall":
+            x = corners[:, 0].min()
+            return shapely.LineString([(x, corners[:, 1].min()), (x, corners[:, 1].max())])
         if name in OPENINGS:
             beside = sides_of(graph.openings, graph.rooms)
             holes = [o.box for o, own in beside if own.id == room
                      and (o.kind == "window") == (name == "window")]  # fmt: skip
             return shapely.union_all([footprint_polygon(box) for box in holes])
         return shapely.union_all([footprint_polygon(i.box) for i in self._of(graph, room, name)])
+
+    def _longer(self, room: str, names: str, least: float, most: float) -> bool:
+        (was,), (now,) = (self._of(graph, room, names) for graph in (self._before, self._after))
+        return least <= now.box.size_m[0] / was.box.size_m[0] <= most
 
     def _near(self, room: str, names: str, other: str, most_m: float) -> bool:
         to = self._target(self._after, room, other)

@@ -81,6 +81,40 @@ def test_a_piece_is_turned_where_it_stands_with_all_that_it_wears(house: Path) -
     assert turned_deg == pytest.approx(-90, abs=1e-6)
 
 
+def test_colours_are_worn_by_what_was_said_alone_and_undone_in_words(house: Path) -> None:
+    text, before = house.read_bytes(), read_house(house)
+    edit(house, "make the sofa blue, and the living room walls sage green", house)
+    after = read_house(house)
+    sofa = only(house, "sofa", "LivingRoom_0").id
+    assert {own for own in after.colours if after.colours[own] != before.colours.get(own)} == {sofa}
+    assert "blue" in after.colours[sofa] or "navy" in after.colours[sofa]
+    stage = Usd.Stage.Open(str(house))
+    walls = stage.GetPrimAtPath("/House/Rooms/LivingRoom_0")
+    worn = walls.GetVariantSet("wallMaterial").GetVariantSelection()
+    assert worn.startswith("Plaster_")
+    look = json.loads((house.parent / "materials" / worn / "look.json").read_text())
+    assert look["family"] == "plaster"
+    reading, *_ = edit(house, "Undo that, please.", house)
+    assert reading.understood.told[0].startswith("taken back: edit make the sofa blue")
+    assert house.read_bytes() == text
+
+
+def test_a_question_is_answered_and_writes_nothing(
+    house: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = house.read_bytes()
+    main(["edit", str(house), "what is in the living room?", "--json", "--progress", "none"])
+    told = json.loads(capsys.readouterr().out)
+    assert "1 × sofa" in told["answer"]
+    assert (told["understood"], told["written"], told["rooms"]) == ([], False, [])
+    assert house.read_bytes() == text
+
+
+def test_a_piece_that_is_not_known_is_named_with_the_nearest_by_meaning(house: Path) -> None:
+    with pytest.raises(ChordError, match=r"no 'chesterfield' in the catalogue.*sofa"):
+        edit(house, "add a chesterfield to the living room", house)
+
+
 def test_what_would_break_the_certificate_changes_nothing(
     house: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -191,12 +225,12 @@ def test_a_refusal_is_one_line_and_an_exit_code(
     house: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = house.read_bytes()
-    words = ["edit", str(house), "paint the sofa blue", "--progress", "none"]
+    words = ["edit", str(house), "varnish the sofa", "--progress", "none"]
     assert main(words) == 2
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err.startswith("error: ")
-    assert "'paint', 'blue'" in told.err
+    assert "'varnish'" in told.err
     assert len(told.err.splitlines()) == 1
     assert house.read_bytes() == text
 

@@ -81,7 +81,8 @@ def run(options: argparse.Namespace) -> Outcome:
         source, options.sentence, target, settings, watch, edits, options.storey,
         force=options.force, dry_run=options.dry_run,
     )  # fmt: skip
-    if options.view and not options.dry_run:
+    is_written = reading.is_change and not options.dry_run
+    if options.view and is_written:
         from chord_usd.line.stage.export.gltf import write_view
 
         with watch.step("view"), deliver() as delivery:
@@ -90,7 +91,7 @@ def run(options: argparse.Namespace) -> Outcome:
     data = {
         "stage": str(target), **_data(reading), "added": list(done.added),
         "removed": list(done.removed), "moved": list(done.moved),
-        "taken_over": list(done.taken_over), "states": [], "written": not options.dry_run,
+        "taken_over": list(done.taken_over), "states": [], "written": is_written,
         "seconds": watch.seconds, "certificate": check,
     }  # fmt: skip
     counts = ", ".join(
@@ -98,7 +99,8 @@ def run(options: argparse.Namespace) -> Outcome:
         for change, ids in (("new", done.added), ("gone", done.removed), ("moved", done.moved))
         if ids
     )
-    written = "a dry run, nothing is written" if options.dry_run else counts or "done"
+    written = "nothing is written" if not is_written else counts or "done"
+    written = "a dry run, nothing is written" if options.dry_run else written
     text = reported(check, *_told(reading), f"{target}: {written}")
     return Outcome(text, data, holds(check))
 
@@ -114,7 +116,8 @@ def _set_states(source: Path, target: Path, options: argparse.Namespace) -> Outc
     with watch.step("check"):
         check = certificate(check_stage(source if options.dry_run else target))
     data = {
-        "stage": str(target), "understood": [], "read_as": [], "rooms": [], "added": [],
+        "stage": str(target), "understood": [], "answer": "", "read_as": [], "rooms": [],
+        "added": [],
         "removed": [], "moved": [], "taken_over": [],
         "states": [{"subject": one.subject, "state": one.state, "paths": list(one.paths)}
                    for one in stated],
@@ -138,10 +141,12 @@ def _data(reading: Reading) -> dict[str, Any]:
                 "action": one.action, "rooms": list(one.rooms), "pieces": list(one.items),
                 "new": one.new.category if one.new and one.action != "remove" else "",
                 "count": one.count, "relation": one.relation, "to": list(one.anchors),
-                "style": one.style, "told": one.wording,
+                "style": one.style, "coat": one.coat.name if one.coat else "",
+                "surface": one.surface, "told": one.wording,
             }
             for one in intents
         ],
+        "answer": reading.understood.answer,
         "read_as": list(reading.understood.read_as),
         "rooms": list(reading.rooms),
     }  # fmt: skip

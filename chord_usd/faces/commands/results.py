@@ -151,6 +151,8 @@ class Intent(TypedDict):
     relation: str
     to: list[str]
     style: str
+    coat: str
+    surface: str
     told: str
 
 
@@ -167,6 +169,7 @@ class Edited(TypedDict):
 
     stage: str
     understood: list[Intent]
+    answer: str
     read_as: list[str]
     rooms: list[str]
     added: list[str]

@@ -145,7 +145,7 @@ class HouseJobs:
         return await self._change(job, "regenerate", words, carry)
 
     async def _say(self, job: Job) -> dict[str, Any]:
-        """A version changed as a sentence says."""
+        """A version changed as a sentence says, or a question answered."""
         words = [_no_option(str(job.given["sentence"]))]
         words += ["--force"] if job.given.get("force") else []
         return await self._change(
@@ -173,7 +173,10 @@ class HouseJobs:
         try:
             with recorded(stage, Deed(verb, str(job.given.get("sentence") or words[0]))):
                 answer = await self._call(job, line)
-                carry(house, answer.data)
+                if not answer.data.get("written", True):
+                    return {"version": number, **answer.data}
+                if not answer.data.get("answer"):  # a step along the history is whole
+                    carry(house, answer.data)
             view.replace(folder / view_of(folder))
         except BaseException:
             view.unlink(missing_ok=True)

@@ -79,6 +79,11 @@ def finish_table(name: str) -> dict[str, Finish]:
     return {**_tables()["common"], **_tables()[name]}
 
 
+def finish_named(name: str) -> Finish | None:
+    """The finish of this name, in whichever table it is."""
+    return next((table[name] for table in _tables().values() if name in table), None)
+
+
 FINISHES = finish_table("common")
 """The common finishes by name."""
 

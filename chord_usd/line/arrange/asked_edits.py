@@ -5,16 +5,25 @@ Nothing is done half: what has no place raises a ChordError that says what is in
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from itertools import count
+from typing import NamedTuple
 
 from chord_usd.base.scene.intents import Intent, NewPiece
 from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import Asset, Box, Item
+from chord_usd.library.colourways import colourway_like, offer_of
+from chord_usd.library.component import COLOUR_VARIANT_SET as COLOUR
+from chord_usd.library.looks.look_words import look_wanted
 from chord_usd.line.arrange.asked_moves import face, move, swap, turn
 from chord_usd.line.arrange.asked_places import Floor
-from chord_usd.line.arrange.asked_work import Work, best_place, called, refused, score_of
-from chord_usd.line.graph.match import Database
+from chord_usd.line.arrange.asked_work import Catalogue, Work, best_place, called, refused, score_of
+
+_LIKE, _ALIKE = 0.15, 0.5
+"""Models whose length differs by no larger share are of like size; where a form is asked for, too,
+by the second."""
 
 
 def carry_out(work: Work, intents: Sequence[Intent]) -> Work:
@@ -36,21 +45,75 @@ def _add(work: Work, intent: Intent) -> None:
 def _place_new(work: Work, intent: Intent, new: NewPiece, gone: frozenset[str]) -> Item:
     """Put a new piece where the intent wants it; of smaller ones, where the usual has no place."""
     floor = Floor(work.graph, work.room(intent.room), gone)
-    old = work.item(intent.items[0]) if intent.action == "replace" else None
-    for asset in _assets(work.database(), new):
-        item = _new_item(work, new.category, asset, intent.room)
+    old = work.item(intent.items[0]) if intent.items else None
+    candidates: list[tuple[Item, str]] = []
+    model = None
+    for model in _models(work, new, old):
+        item = _new_item(work, new.category, model.asset, intent.room)
         placed = best_place(work, floor, item, score_of(work, floor, intent, old))
-        if placed:
-            work.put(placed)
-            work.new.add(placed.id)
-            return placed
-    raise refused(
-        intent, f"no place was found in {called(work, intent.room)}", "what the room has place for"
-    )
+        candidates += [(placed, model.colour)] if placed else []
+        if placed and not floor.stops_leaves(placed):
+            break
+    if model is None:
+        raise refused(intent, "there is no such model", _wearable(work, new, old))
+    if not candidates:
+        where = called(work, intent.room)
+        raise refused(intent, f"no place was found in {where}", "what the room has place for")
+    placed, colour = min(candidates, key=lambda pair: floor.stops_leaves(pair[0]))
+    work.put(placed)
+    work.new.add(placed.id)
+    if colour:
+        work.colours[placed.id] = colour
+    return placed
 
 
-def _assets(database: Database, new: NewPiece) -> Iterator[Asset]:
-    """Pieces to try, the usual one first, then smaller ones."""
+class _Model(NamedTuple):
+    """What a new piece may look like."""
+
+    asset: Asset
+    colour: str
+    """Its colourway; "" leaves it to the room."""
+
+
+def _models(work: Work, new: NewPiece, old: Item | None) -> Iterator[_Model]:
+    """Models to try, with their colourways: what was said, or that of the piece that they
+    replace."""
+    database = work.database().in_style(new.style) if new.style else work.database()
+    worn = work.worn.get(old.id, "") if old else ""
+    before = work.assets.get(old.id) if old else None
+    forms = _forms(database, new, old) if new.is_other or new.form or new.coat else ()
+    for asset in forms or _sized(database, new, old):
+        colour = worn if worn in offer_of(asset.usd_path).variants.get(COLOUR, ()) else ""
+        if new.coat:
+            colour = colourway_like(asset.usd_path, new.coat)
+        if (colour or not new.coat) and not (new.is_other and before and asset.id == before.id):
+            yield _Model(asset, colour)
+
+
+def _forms(database: Catalogue, new: NewPiece, old: Item | None) -> Iterator[Asset]:
+    """The usual model, then one of each form, those of the style first, as near as it comes to the
+    size of the piece that they replace, or to the size that is asked."""
+    usual = next(_sized(database, new, old), None)
+    if usual is None:
+        return
+    size_m = old.box.size_m if old and old.category == new.category else usual.size_m
+    least, most = new.length_m
+    size_m = (min(max(size_m[0], least), most), *size_m[1:])
+    near = [asset for asset in database.of_category(new.category)
+            if abs(asset.size_m[0] - size_m[0]) <= (_ALIKE if new.form else _LIKE) * size_m[0]
+            and new.form.title() in (*asset.id.split("_"), "")]  # fmt: skip
+    near.sort(key=lambda asset: (new.style not in (*asset.styles, ""),
+                                 math.dist(asset.size_m[:2], size_m[:2]), asset.id))  # fmt: skip
+    seen = set()
+    for asset in near:
+        form = asset.id.rpartition("_")[0]
+        if form not in seen:  # each is drawn when it is asked for
+            seen.add(form)
+            yield database.named(asset.id)
+
+
+def _sized(database: Catalogue, new: NewPiece, old: Item | None) -> Iterator[Asset]:
+    """Models of the usual size of their kind, then smaller ones."""
     row = category(new.category)
     least, most = new.length_m
     low, high = max(row.length_m[0], least), min(row.length_m[1], most)
@@ -62,10 +125,19 @@ def _assets(database: Database, new: NewPiece) -> Iterator[Asset]:
             row.width_m[0] + share * (row.width_m[1] - row.width_m[0]),
             sum(row.height_m) / 2,
         )
+        if old is not None and old.category == new.category:
+            size_m = (size_m[0], *old.box.size_m[1:])
         asset = database.nearest(new.category, size_m)
         if asset.id not in seen and least - 0.08 <= asset.size_m[0] <= most + 0.08:
             seen.add(asset.id)
             yield asset
+
+
+def _wearable(work: Work, new: NewPiece, old: Item | None) -> str:
+    """What colours the piece comes in."""
+    asset = work.assets.get(old.id) if old else None
+    names = offer_of(asset.usd_path).variants.get(COLOUR, ()) if asset and new.coat else ()
+    return ", ".join(name.replace("_", " ") for name in names) or "another size or colour"
 
 
 def _new_item(work: Work, name: str, asset: Asset, room_id: str) -> Item:
@@ -94,6 +166,28 @@ def _style(work: Work, intent: Intent) -> None:
     work.styles[intent.room] = intent.style
 
 
+def _paint(work: Work, intent: Intent) -> None:
+    """Colours of pieces are those of their models, or of others of like size."""
+    assert intent.coat is not None
+    if intent.surface:
+        room = work.room(intent.room)
+        look = look_wanted(intent.coat, intent.surface, room.kind)
+        if look is None:
+            raise refused(intent, f"{intent.surface}s are not made of that", "another material")
+        work.looks[intent.room, intent.surface] = look
+    for item_id in intent.items:
+        item, worn = work.item(item_id), work.worn.get(item_id, "")
+        asset = item.asset or work.assets.get(item_id)
+        colour = colourway_like(asset.usd_path, intent.coat, worn) if asset else ""
+        if colour:
+            work.colours[item_id] = colour
+            continue
+        length_m = item.box.size_m[0]
+        least, most = length_m * (1 - _LIKE), length_m * (1 + _LIKE)
+        new = NewPiece(item.category, (least, most), coat=intent.coat)
+        _replace(work, replace(intent, items=(item_id,), new=new))
+
+
 def _lock(work: Work, intent: Intent) -> None:
     for item_id in intent.items:
         work.locks[item_id] = intent.action == "lock"
@@ -102,5 +196,5 @@ def _lock(work: Work, intent: Intent) -> None:
 
 _ACTIONS: dict[str, Callable[[Work, Intent], None]] = {
     "add": _add, "remove": _remove, "move": move, "turn": turn, "face": face, "swap": swap,
-    "replace": _replace, "style": _style, "lock": _lock, "unlock": _lock,
+    "replace": _replace, "style": _style, "lock": _lock, "unlock": _lock, "paint": _paint,
 }  # fmt: skip

@@ -20,7 +20,7 @@ from chord_usd.base.scene.geometry import (
     to_own,
     to_world,
 )
-from chord_usd.base.scene.intents import COMPASS_DEG, DOOR, WINDOW, Intent
+from chord_usd.base.scene.intents import COMPASS_DEG, DOOR, WINDOW, Intent, way_deg
 from chord_usd.base.scene.types import Box, FloatArray, Item
 from chord_usd.base.scene.units import rotation_2d, wrap_deg
 from chord_usd.line.arrange.asked_places import NEAR_M, Floor
@@ -101,9 +101,9 @@ def move(work: Work, intent: Intent) -> None:
     item = work.item(intent.items[0])
     if intent.to_room:
         _move_to_room(work, intent, item)
-    elif intent.way or intent.distance_m is not None:
+    elif intent.distance_m is not None:
         _move_by(work, intent, item)
-    elif intent.relation in ("nearer to", "away from"):
+    elif intent.way or intent.relation in ("nearer to", "away from"):
         _move_some(work, intent, item)
     else:
         _move_beside(work, intent, item)
@@ -112,7 +112,7 @@ def move(work: Work, intent: Intent) -> None:
 def _direction(work: Work, intent: Intent, item: Item) -> FloatArray:
     """(2,) of length 1, the way that a move goes."""
     if intent.way:
-        way = math.radians(COMPASS_DEG[intent.way])
+        way = math.radians(way_deg(intent.way, item.box.yaw_deg))
         return np.array([math.cos(way), math.sin(way)])
     floor = Floor(work.graph, work.room(item.room_id))
     at = shapely.Point(item.box.center_m[:2])
@@ -152,6 +152,8 @@ def _move_some(work: Work, intent: Intent, item: Item) -> None:
                 _shift(work, group, by_m)
                 return
             blocked = blocked or obstacle
+    if intent.way:
+        raise refused(intent, f"{blocked or 'its wall'} is in the way", "another way")
     floor = Floor(work.graph, work.room(item.room_id), with_resting(work, [item]))
     shape = footprint_polygon(item.box)
     sign = 1.0 if intent.relation == "away from" else -1.0

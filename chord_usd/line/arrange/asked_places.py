@@ -4,9 +4,11 @@ what was said. Metres.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 import shapely
@@ -22,12 +24,21 @@ from chord_usd.base.places.wall_frames import WallFace, faces_of, wall_frames
 from chord_usd.base.scene.geometry import (
     Floors,
     footprint_polygon,
-    front_direction,
     room_polygon,
 )
-from chord_usd.base.scene.intents import DOOR, WALL, WINDOW, Relation
+from chord_usd.base.scene.intents import (
+    COMPASS_DEG,
+    CORNER,
+    DOOR,
+    MIDDLE,
+    SEEN_DEG,
+    WALL,
+    WINDOW,
+    Relation,
+    Way,
+)
 from chord_usd.base.scene.palette import Mount, category
-from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph
+from chord_usd.base.scene.types import Box, FloatArray, Item, Opening, Room, SceneGraph
 
 ALONG_M, GRID_M = 0.1, 0.3
 """Between places along a wall or a piece, and on the open floor."""
@@ -36,9 +47,12 @@ BESIDE_M = 0.04
 """Left between a piece and what it stands next to; its mesh may be a little larger than its box."""
 
 OFF_WALL_M = 0.005
-NEAR_M = {"by": 1.0, "before": 1.2, "between": 2.0, "above": 0.5, "under": 0.01}
+NEAR_M = {"by": 1.0, "before": 1.2, "between": 2.0, "above": 0.5, "under": 0.01,
+          "behind": 1.2, "left of": 1.2, "right of": 1.2}  # fmt: skip
 """Farther from what a relation is to is not where it was asked for."""
 
+_AT_WALL = 5.0
+"""What goes to a wall that is named stands so many times nearer to it than by a piece."""
 _HUNG_M = 0.001
 _LEAST_SIDE_M = 0.3
 _CHAIR_M = 0.02
@@ -133,6 +147,13 @@ class Floor:
         for anchor in anchors:
             if anchor == WALL:
                 outlines.append(self.polygon.exterior)
+            elif anchor.endswith(f" {WALL}"):
+                sides = self._sides(cast(Way, anchor.removesuffix(f" {WALL}")))
+                outlines += [shapely.MultiLineString(sides)] if sides else []
+            elif anchor == CORNER:
+                outlines.append(shapely.MultiPoint(self.room.polygon_m))
+            elif anchor == MIDDLE:
+                outlines.append(self.polygon.centroid)
             elif anchor in (WINDOW, DOOR):
                 holes = [opening.box for opening in self.openings if (opening.kind == WINDOW)
                          == (anchor == WINDOW)]  # fmt: skip
@@ -141,6 +162,17 @@ class Floor:
             else:
                 outlines.append(footprint_polygon(by_id[anchor].box))
         return outlines
+
+    def _sides(self, way: Way) -> list[FloatArray]:
+        """The walls of the room that somebody sees who looks this way."""
+        corners = self.room.polygon_m
+        turn = math.radians(COMPASS_DEG[way])
+        ahead = np.array([math.cos(turn), math.sin(turn)])
+        sides = np.roll(corners, -1, axis=0) - corners
+        outwards = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
+        faced = outwards @ ahead > 0.9 * np.linalg.norm(sides, axis=1)
+        return [np.stack([corners[at], corners[(at + 1) % len(corners)]])
+                for at in np.flatnonzero(faced)]  # fmt: skip
 
     def misses_m(self, item: Item, relation: Relation, anchors: Sequence[str]) -> float:
         """How far a thing is from where a relation wants it."""
@@ -155,22 +187,25 @@ class Floor:
         if relation == "above":
             return float(shape.centroid.distance(shapes[0].centroid)) if (
                 item.box.center_m[2] > self._top_m(anchors[0]) - 0.01) else 9.0  # fmt: skip
-        if relation == "before":
-            return self._before_m(item, anchors[0], away[0])
+        if relation == "by" and anchors[0].endswith(f" {WALL}"):
+            return _AT_WALL * float(min(away))
+        if relation in SEEN_DEG:
+            return self._beside_m(item, anchors[0], away[0], SEEN_DEG[relation])
         return min(away)
 
     def _top_m(self, anchor: str) -> float:
         return next((item.box.top_m for item in self.things if item.id == anchor), 0.0)
 
-    def _before_m(self, item: Item, anchor: str, away_m: float) -> float:
-        """From the middle of what stands before the front of a piece, or from an opening."""
+    def _beside_m(self, item: Item, anchor: str, away_m: float, side_deg: float) -> float:
+        """From the middle of a side of a piece, or from an opening. side_deg: as SEEN_DEG."""
         target = next((item for item in self.things if item.id == anchor), None)
         if target is None:
             return away_m
         ahead = np.array(item.box.center_m[:2]) - target.box.center_m[:2]
-        front = front_direction(target.box.yaw_deg)
-        beside = float(np.hypot(*(ahead - (ahead @ front) * front)))
-        return away_m + beside if ahead @ front > 0 else 9.0
+        turn = math.radians(side_deg + target.box.yaw_deg)
+        way = np.array([math.cos(turn), math.sin(turn)])
+        beside = float(np.hypot(*(ahead - (ahead @ way) * way)))
+        return away_m + beside if ahead @ way > 0 else 9.0
 
     # Places ---------------------------------------------------------------------------------------
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice
+from typing import Protocol
 
 from chord_usd.base.errors import ChordError
 from chord_usd.base.metrics.complete import TABLES, homely_rooms
@@ -13,7 +14,8 @@ from chord_usd.base.metrics.walk import walk
 from chord_usd.base.scene.geometry import footprint_polygon, to_own, to_world
 from chord_usd.base.scene.intents import Intent
 from chord_usd.base.scene.palette import Level, Mount, category
-from chord_usd.base.scene.types import Box, Item, Room, SceneGraph
+from chord_usd.base.scene.style_rooms import Part, Wanted
+from chord_usd.base.scene.types import Asset, Box, Item, Room, SceneGraph
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.arrange.asked_places import NEAR_M, Floor
 from chord_usd.line.graph.match import Database
@@ -22,12 +24,25 @@ TRIED = 48
 """Of the best places, so many are asked whether rooms can still be reached."""
 
 
+class Catalogue(Database, Protocol):
+    """A database in which one can look around; chord_usd.library.database has it."""
+
+    def of_category(self, name: str, /) -> Sequence[Asset]:
+        """The meshes of a category, which need not be on disk."""
+
+    def named(self, asset_id: str, /) -> Asset:
+        """The mesh of an id, on disk."""
+
+    def in_style(self, name: str, /) -> Catalogue:
+        """The same, with the forms of a style before others."""
+
+
 @dataclass
 class Work:
     """A house while it is changed."""
 
     graph: SceneGraph
-    database: Callable[[], Database]
+    database: Callable[[], Catalogue]
     """Loads it, when it is first asked."""
     locked: set[str] = field(default_factory=set)
     new: set[str] = field(default_factory=set)
@@ -38,6 +53,14 @@ class Work:
     """By id of the rooms that get one."""
     locks: dict[str, bool] = field(default_factory=dict)
     """Things that are locked or unlocked."""
+    assets: Mapping[str, Asset] = field(default_factory=dict)
+    """The models of what was there before, by id."""
+    worn: Mapping[str, str] = field(default_factory=dict)
+    """The colourways of what was there before, by id."""
+    colours: dict[str, str] = field(default_factory=dict)
+    """Colourways that things get, by id."""
+    looks: dict[tuple[str, Part], Wanted] = field(default_factory=dict)
+    """Looks of walls and floors, by id of the room."""
 
     def room(self, room_id: str) -> Room:
         return next(room for room in self.graph.rooms if room.id == room_id)

@@ -7,8 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
+from chord_usd.base.scene.intents import Coat
 from chord_usd.base.scene.numbers_said import plain_text
-from chord_usd.base.scene.palette import DRESSING_CATEGORIES, having
+from chord_usd.base.scene.palette import CATEGORIES, DRESSING_CATEGORIES, having
+from chord_usd.line.lists.coat_words import coat
 from chord_usd.line.lists.vocabulary import ANY_M, WORDS, named
 
 LONGEST = 6
@@ -31,10 +33,15 @@ class Token(NamedTuple):
     """A word, or several that are one, and what it is for."""
 
     kind: str
-    """Of _TABLE, or "thing", "room", "number" and "unknown"."""
+    """Of _TABLE, or "thing", "room", "number", "coat" and "unknown"."""
     value: str
     said: str
     thing: Thing | None = None
+    coat: Coat | None = None
+
+
+ONE = Thing("one", ())
+"""What "a larger one" stands for: a piece of the kind that was spoken of."""
 
 
 WISHES = frozenset((
@@ -48,6 +55,7 @@ _CONTRACTIONS = (
     (r"\b(it|he|she)['’]s\b", r"\1 is"),
     (r"\b(i|we|you|they)['’]?ve\b", r"\1 have"),
     (r"\b(we|you|they)['’]re\b", r"\1 are"),
+    (r"\bso (it|they)\b", r"so that \1"),
 )
 
 _NUMBERS = (
@@ -59,6 +67,8 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("verb", "add", "add|install|insert|provide|include|buy|get|need|needs|give|want|would like|id"
      " like|wed like|would love|id love|wed love|there should be|there must be|there shall be"
      "|bring in|furnish with|equip with|wants"),
+    ("verb", "paint", "paint|repaint|recolour|recolor|dye|reupholster|refinish|retile"),
+    ("verb", "change", "change|convert|try|update|use|switch to"),
     ("verb", "put", "put|place|stand|set|lay|hang|position|arrange|put up|set up|stands|be placed"),
     ("verb", "remove", "remove|delete|get rid of|throw out|throw away|throw|take away|take out|take"
      " down|take off|discard|drop|eliminate|ditch|scrap|dispose of|do away with|clear|clear out"
@@ -70,12 +80,15 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("verb", "move", "move|shift|translate|push|pull|slide|bring|carry|relocate|drag|nudge|shove"
      "|transfer|take|be moved|send"),
     ("verb", "turn", "turn|rotate|spin|yaw|swivel|pivot|be turned|be rotated"),
+    ("verb", "flip", "flip|reverse|turn around|turn round|flip around"),
     ("verb", "face", "face|facing|faces|look at|look out of|look out|look to|look towards|look"
      " toward|point at|point to|point towards|orient|orient to|orient towards|turned to|turned"
      " towards|be turned to|be turned towards"),
     ("verb", "swap", "swap|interchange|change places|trade places|swap places|switch places"
      "|switch"),
-    ("verb", "replace", "replace|exchange|substitute|trade"),
+    ("verb", "replace", "replace|exchange|substitute|trade|swap out"),
+    ("verb", "bigger", "enlarge|widen|lengthen|extend|scale up"),
+    ("verb", "smaller", "shrink|shorten|scale down|reduce"),
     ("verb", "style", "restyle|redo|redecorate|do up"),
     ("verb", "lock", "lock|pin|pin down|freeze|keep|fix|do not touch|dont touch|do not move|dont"
      " move|stay|stays|stay put|stays put|stay where it is|stays where it is|stay where they are"
@@ -84,7 +97,7 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("verb", "weak", "make|have|let|should|shall|must|could|can|ought to|may|turn into|has to"
      "|have to|needs to|need to|is to|are to"),
     ("relation", "by", "next to|beside|near|near to|near of|close to|by|by the side of|alongside"
-     "|adjacent to|at|around|against|right by|up to|for|to the side of"),
+     "|adjacent to|at|around|against|right by|right next to|up to|for|to the side of"),
     ("relation", "away from", "away from|far from|further from|farther from|further away from|clear"
      " of|off"),
     ("relation", "nearer to", "nearer to|nearer|closer to|closer|more near to|towards|toward|in the"
@@ -92,11 +105,18 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("relation", "between", "between|in between"),
     ("relation", "under", "under|underneath|beneath|below"),
     ("relation", "above", "above|over"),
-    ("relation", "before", "in front of|before|opposite"),
+    ("relation", "before", "in front of|right in front of|before|opposite|across from"),
+    ("relation", "behind", "behind|in back of|at the back of"),
+    ("relation", "left of", "left of|to the left of|on the left of|on the left side of"),
+    ("relation", "right of", "right of|to the right of|on the right of|on the right side of"),
     ("way", "north", "north|northwards"),
     ("way", "east", "east|eastwards"),
     ("way", "south", "south|southwards"),
     ("way", "west", "west|westwards"),
+    ("way", "left", "left|leftwards"),
+    ("way", "right", "right|rightwards"),
+    ("way", "forwards", "forward|forwards"),
+    ("way", "backwards", "backward|backwards"),
     ("sense", "-1", "clockwise|cw"),
     ("sense", "1", "counterclockwise|anticlockwise|counter clockwise|anti clockwise|ccw"),
     ("angle", "90", "quarter turn|quarter of a turn"),
@@ -109,6 +129,15 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("feature", "window", "window|windows"),
     ("feature", "door", "door|doors|doorway"),
     ("feature", "wall", "wall|walls"),
+    ("feature", "floor", "floor|floors|flooring"),
+    ("feature", "north wall", "north wall|northern wall|top wall"),
+    ("feature", "east wall", "east wall|eastern wall|right wall|right hand wall|wall on the right"),
+    ("feature", "south wall", "south wall|southern wall|bottom wall"),
+    ("feature", "west wall", "west wall|western wall|left wall|left hand wall|wall on the left"),
+    ("feature", "opposite wall", "opposite wall|other wall|wall opposite|far wall"),
+    ("feature", "corner", "corner|corners"),
+    ("feature", "middle", "middle|center|centre|middle of the room|center of the room"
+     "|centre of the room"),
     ("style", "modern", "modern|contemporary"),
     ("style", "scandinavian", "scandinavian|scandi|nordic"),
     ("style", "classic", "classic|classical|traditional"),
@@ -117,6 +146,13 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("styled", "", "style|look|styled"),
     ("size", "small", "small|little|tiny|compact"),
     ("size", "large", "large|big|huge"),
+    ("form", "round", "round|circular"),
+    ("scale", "1", "bigger|larger|longer|wider|in a bigger size"),
+    ("scale", "-1", "smaller|shorter|narrower|more compact"),
+    ("percent", "", "%|percent|per cent"),
+    ("extent", "", "wide|long|in width|in length"),
+    ("other", "", "different|alternative"),
+    ("one", "", "something|something else"),
     ("number", "0", "zero"),
     ("number", "2", "both|both of|a pair of|a couple of"),
     ("number", "0.5", "half|half a"),
@@ -136,12 +172,18 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("prep", "of", "of"),
     ("with", "", "with|plus"),
     ("and", "", "and|as well as|then|also|but|so that|&|+|,|;|.|!|?|:|\n"),
-    ("cannot", "", "paint|blue|red|green|yellow|white|black|grey|gray|brown|pink|orange|purple"
-     "|beige|colour|color|wallpaper|tiles|parquet|knock down|tear down|build|demolish|left|right"
-     "|not|never|dont|no need|upside down|ceiling|nice|nicer|cosy|better|if|unless|maybe|or|except"
-     "|half of|leave"),
+    ("room", "every room", "the whole house|whole house|whole flat|whole apartment|whole home|the"
+     " house|the flat|the apartment|my house|my flat|my apartment|my home|everywhere|all rooms"
+     "|everything|entire house|entire home"),
+    ("cannot", "", "knock down|tear down|build|demolish|not|never|dont|no need|upside down|ceiling"
+     "|nice|nicer|cosy|cozy|cosier|cozier|warmer|brighter|better|luxurious|inviting"
+     "|if|unless|maybe|or|except|half of|leave"),
+    ("", "", "keep the layout|keep this layout|keep the same layout|keep layout|keep the furniture"
+     " where it is|keep everything where it is|without moving anything"),
     ("", "", "please|kindly|would|you|i|we|like|be|is|are|some|me|us|too|again|now|piece of|pieces"
      " of|hello|hi|thanks|instead|where it is|where they are|could you|can you|would you|will you"
+     "|colour|color|colours|colors|finish|material|ok|okay|well|hey|actually|existing|current|whole|entire"
+     "|bit|little bit|slightly|side|about|completely|directly|exactly|fully|simply|upholstery|cover"
      "|do|so|lets|let us|i want to"
      "|we want to|i would like to|we would like to|id like to|wed like to|i need to|we need to"
      "|i want you to|we want you to|i would like you to|id like you to|i need you to"),
@@ -149,18 +191,30 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
 """What a phrase is for, of which sort, and the phrases."""
 
 _ALSO = {
+    "table": ("table dining_table coffee_table side_coffee_table", ""),
+    "desk": ("table", "study_desk|office_desk"),
+    "cabinet": ("cabinet", "storage|storage_unit"),
     "rug": ("rug mat", "rug|carpet|area_rug"),
     "mat": ("mat rug", "mat|doormat|bath_mat"),
-    "floor_lamp": ("floor_lamp table_lamp", "lamp|light|reading_lamp"),
+    "floor_lamp": ("floor_lamp table_lamp", "lamp|light|reading_lamp|lighting"),
     "floor_plant": ("floor_plant big_plant small_plant", "plant|house_plant|pot_plant"
-                    "|potted_plant"),
-    "picture": ("picture", "painting|poster|print|artwork"),
+                    "|potted_plant|indoor_plant|greenery"),
+    "picture": ("picture", "painting|poster|print|artwork|wall_art|art"),
+    "vase": ("vase", "flower|bouquet"),
+    "book_row": ("book_row", "book"),
+    "cushion": ("cushion", "pillow|throw_pillow"),
+    "throw": ("throw", "blanket|throw_blanket"),
+    "pendant_lamp": ("pendant_lamp", "pendant|pendant_light|chandelier|hanging_lamp"),
+    "ceiling_lamp": ("ceiling_lamp", "ceiling_light"),
+    "wall_lamp": ("wall_lamp", "sconce|wall_light"),
+    "cooker_hood": ("cooker_hood", "range_hood|extractor_hood"),
     "bin": ("bin", "dustbin|wastebasket|trash_can|waste_bin|rubbish_bin"),
-    "curtain": ("curtain curtain_rail", "drape|curtains"),
+    "curtain": ("curtain curtain_rail", "drape"),
     "mirror": ("mirror", "looking_glass"),
     "side_coffee_table": ("side_coffee_table", "little_table|small_table|small_side_table"
                           "|occasional_table|little_side_table"),
-    "tv_cabinet": ("tv_cabinet", "telly|telly_stand|television_stand|television_cabinet|tv_board"
+    "tv": ("tv_cabinet television", "telly|television"),
+    "tv_cabinet": ("tv_cabinet", "telly_stand|television_stand|television_cabinet|tv_board"
                    "|telly_cabinet|tv_set"),
     "shoe_cabinet": ("shoe_cabinet", "shoe_cupboard"),
     "leisure_sofa": ("leisure_sofa single_sofa", "recliner|lounger"),
@@ -179,6 +233,11 @@ def _phrases() -> dict[str, tuple[str, str]]:
     return {text: (kind, value) for kind, value, row in _TABLE for text in row.split("|")}
 
 
+def is_unit(words: Sequence[str]) -> bool:
+    """Whether a number before these words measures something."""
+    return _phrases().get(" ".join(words), ("", ""))[0] in ("unit", "degrees", "percent")
+
+
 @cache
 def _things() -> dict[str, Thing]:
     found = {word: Thing(own.word, _counted(own.category), own.length_m)
@@ -190,6 +249,13 @@ def _things() -> dict[str, Thing]:
             own = Thing(word.replace("_", " "), tuple(counted.split()))
             found[word.replace("_", "")] = own
     return found
+
+
+def known_things() -> list[str]:
+    """One word or more for each kind of piece, in English."""
+    labels = [row.label.lower() for row in (*CATEGORIES.values(), *DRESSING_CATEGORIES)]
+    return list(dict.fromkeys([*labels, *(one.word for one in _things().values() if " " in one.word
+                                          and one.categories[0] in CATEGORIES)]))  # fmt: skip
 
 
 def _counted(category: str) -> tuple[str, ...]:
@@ -281,12 +347,15 @@ def _token(
             found = None  # "in the toilet" is a room
         else:
             found = thing(own) if all(word.isalpha() for word in own) else None
+        worn = None if found else coat(own)
         if found and said not in _phrases():
             return taken, Token("thing", found.word, said, found)
         if is_place:
             return taken, Token("room", rooms[at][1], said)
         if said in _phrases():
             return taken, Token(*_phrases()[said], said)
+        if worn:
+            return taken, Token("coat", worn.name, said, coat=worn)
     if words[at][0].isdigit():
         return 1, Token("number", words[at].replace(",", "."), words[at])
     return 1, Token("unknown", "", words[at])

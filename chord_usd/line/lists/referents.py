@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from chord_usd.base.metrics.complete import table_of
-from chord_usd.base.scene.geometry import footprint_polygon
-from chord_usd.base.scene.palette import Level, category
-from chord_usd.base.scene.types import ROOM_KINDS, Item, Room, RoomKind, SceneGraph
+from chord_usd.base.scene.geometry import footprint_polygon, front_direction, room_polygon
+from chord_usd.base.scene.intents import COMPASS_DEG, Coat
+from chord_usd.base.scene.palette import Mount, category
+from chord_usd.base.scene.types import (
+    ROOM_KINDS,
+    WET_KINDS,
+    Item,
+    Room,
+    RoomKind,
+    SceneGraph,
+)
 from chord_usd.line.lists.clauses import WHERE, Clause, Noun, not_understood
+from chord_usd.line.lists.coat_words import WOODS
 from chord_usd.line.lists.edit_words import SEATED_AT, Token
 from chord_usd.line.lists.vocabulary import HERE
 from chord_usd.line.lists.wishes import SLACK_M, rooms_meant
@@ -48,7 +58,7 @@ class Referents:
                 told.append(f"{token.thing.word}: {', '.join(places) or 'none there'}")
         if not told:
             told = [f"{self.name(room)} has {self._inventory(room)}" for room in rooms]
-        return "; ".join(dict.fromkeys(told)) or "it names no piece"
+        return "; ".join(dict.fromkeys(told)) or "it names no piece and no room of this house"
 
     def _inventory(self, room_id: str) -> str:
         """What furniture a room has, in words."""
@@ -57,15 +67,39 @@ class Referents:
         return ", ".join(f"{count} × {name}" for name, count in counts.items()) or "no furniture"
 
     def home_of(self, clause: Clause) -> str:
-        """Id of the room where new furniture usually goes; "" where the house has none or several,
-        and for dressing, which any room may want."""
+        """Id of the room where new pieces usually go: the only one of its kind, or the largest
+        that has none of them, or the living room; "" where there is none."""
         rows = [category(noun.thing.categories[0]) for noun in clause.nouns]
-        if any(row.level != Level.HOUSE for row in rows):
-            return ""
-        kinds = {row.rooms for row in rows}
+        if any(row.mount is Mount.WINDOW for row in rows):
+            return ""  # of which windows, nobody said
+        kinds = {row.rooms for row in rows[:1]}  # "a dining table with six chairs"
         homes = {rooms[0] for rooms in kinds if set(rooms) < set(ROOM_KINDS)}
         found = [own for own, kind in self._kinds.items() if kind in homes and own in self._name_of]
-        return found[0] if len(homes) == len(found) == 1 and len(kinds) == 1 else ""
+        if len(homes) != 1 or len(kinds) != 1:
+            return ""
+        lacking = found if len(found) == 1 else [
+            own for own in found if not any(self.there(noun, [own]) for noun in clause.nouns[:1])
+        ]  # fmt: skip
+        if not lacking and all("living" in rooms for rooms in kinds):
+            lacking = [own for own in self._name_of if self._kinds[own] == "living"]
+        area = {room.id: room_polygon(room).area for room in self._rooms.values()}
+        return max(lacking, key=area.__getitem__, default="")
+
+    def all_rooms(self, coat: Coat | None = None) -> list[str]:
+        """Ids of all rooms of the house, where none is named; balconies keep their surfaces, and
+        rooms with water get no wood."""
+        kept = {"balcony"} if coat else set()
+        kept |= set(WET_KINDS) if coat and coat.material in (*WOODS, "wood") else set()
+        return [own for own in self._name_of if self._kinds[own] not in kept]
+
+    def wall_named(self, anchor: str, item: Item) -> str:
+        """The wall that an anchor means, where it depends on a piece: the one before its front."""
+        if anchor != "opposite wall":
+            return anchor
+        front = front_direction(item.box.yaw_deg)
+        return max(COMPASS_DEG, key=lambda way: float(
+            front @ (math.cos(math.radians(COMPASS_DEG[way])),
+                     math.sin(math.radians(COMPASS_DEG[way]))))) + " wall"  # fmt: skip
 
     def rooms_of(self, clause: Clause, *preps: str) -> list[str]:
         """Ids of the rooms that a clause names with one of these prepositions."""
@@ -81,7 +115,7 @@ class Referents:
         """The same; where it names none, what the clauses without a verb that follow name."""
         found = self.rooms_of(clause, *preps)
         for later in following if not found else ():
-            if later.verb:
+            if later.verb or later.coat:
                 break
             found = self.rooms_of(later, *preps)
             if found:
@@ -107,22 +141,35 @@ class Referents:
     def meant(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> list[Item]:
         """The pieces that a noun means, which are there. Raises ChordError where none or too many
         are."""
+        if noun.coat or noun.form:
+            looks = noun.coat.name if noun.coat else noun.form
+            raise not_understood(
+                clause.words, f"which '{noun.said}' is {looks} is not known here",
+                "pieces by their kind and room",
+            )  # fmt: skip
         found = self.there(noun, rooms)
         if not found:
             place = f"in {self.name(rooms[0])}" if rooms else "in the house"
             raise not_understood(clause.words, f"no {noun.said} {place}")
-        if not rooms and self.room_said and any(one.room_id == self.room_said for one in found):
+        beside = self.anchor_room(clause) if not rooms else ""
+        if beside and any(one.room_id == beside for one in found):
+            found = [one for one in found if one.room_id == beside]
+        elif not rooms and self.room_said and any(one.room_id == self.room_said for one in found):
             found = [one for one in found if one.room_id == self.room_said]
         if len({one.room_id for one in found}) > 1 and not noun.is_every:
             names = ", ".join(dict.fromkeys(self.name(one.room_id) for one in found))
             raise not_understood(clause.words, f"'{noun.said}' may be that of {names}", ROOM_TOO)
         return found
 
+    @staticmethod
+    def is_group(noun: Noun) -> bool:
+        """Whether it is a plural without a number."""
+        return noun.count is None and noun.said.endswith("s") and not noun.thing.word.endswith("s")
+
     def single(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> list[Item]:
         """The one piece that a noun means, or as many as are counted, or all of a group."""
         found = self.meant(clause, noun, rooms)
-        plural = noun.said.endswith("s") and not noun.thing.word.endswith("s")
-        if noun.is_every or (plural and noun.count is None) or len(found) == 1:
+        if noun.is_every or self.is_group(noun) or len(found) == 1:
             return found
         if noun.count is not None and noun.count == len(found):
             return found

@@ -8,6 +8,7 @@ a verb does what the clause before it does, and alone it orders: "no rug in the 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Literal
@@ -37,6 +38,19 @@ _STATES = frozenset((
 """Verbs that say how a piece is, where the piece is their subject."""
 
 _ENDS = frozenset(".!?;\n")
+_PAST: dict[Literal["undo", "redo"], str] = {
+    "undo": r"(undo|revert|go back|take (that|it) back|put (it|that|everything) back|never ?mind"
+    r"|undo (that|this|it|the last (change|one|edit|step)|my last change)"
+    r"|revert (that|this|it|the last change)|(put|change|turn) it back( the way it was)?)",
+    "redo": r"(redo|redo (that|this|it)|do (that|it) again)",
+}
+
+
+def past_asked(sentence: str) -> Literal["", "undo", "redo"]:
+    """Whether a sentence asks for the history of a house, and not for something new."""
+    said = re.sub(r"[^\w ]|\b(please|can you|could you|now|ok|okay|just)\b", "", sentence.lower())
+    said = " ".join(said.split())
+    return next((verb for verb, words in _PAST.items() if re.fullmatch(words, said)), "")
 
 
 def acts_of(tokens: Sequence[Token]) -> list[Act]:

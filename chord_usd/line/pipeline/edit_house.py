@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from chord_usd.base.errors import ChordError, StageError
 from chord_usd.base.runtime.house_history import Deed
@@ -36,6 +36,13 @@ class Reading:
     written: StagedHouse
     """As it is at source."""
     sentence: str
+    is_past: bool = False
+    """Whether the house went along its history."""
+
+    @property
+    def is_change(self) -> bool:
+        """Whether the house is another one after it."""
+        return self.is_past or not self.understood.answer
 
     @property
     def rooms(self) -> tuple[str, ...]:
@@ -83,13 +90,33 @@ def read_sentence(
             refused.append(error)
     vague = [error for error in refused if error.expected == ROOM_TOO]
     if vague or not found:
-        raise (vague or refused)[0]
-    if len(found) > 1:
+        raise _with_nearest((vague or refused)[0])
+    first = next(iter(found.values()))
+    if len(found) > 1 and not first.understood.answer:
         raise ChordError(
             f"the sentence means something on several storeys: {', '.join(found)}",
             where=str(source), expected="one storey", try_=f'--storey "{next(iter(found))}"',
         )  # fmt: skip
-    return next(iter(found.values()))
+    if first.understood.answer:
+        answers = dict.fromkeys(one.understood.answer for one in found.values())
+        return replace(first, understood=replace(first.understood, answer="; ".join(answers)))
+    return first
+
+
+def _with_nearest(error: ChordError) -> ChordError:
+    """An error that names an unknown piece, with the known ones of like meaning."""
+    from chord_usd.line.lists.edit_words import known_things
+    from chord_usd.line.lists.said_clauses import UnknownThingError
+    from chord_usd.line.pipeline.nearest_things import nearest_things
+
+    if not isinstance(error, UnknownThingError):
+        return error
+    near = nearest_things(error.thing, known_things())
+    return ChordError(
+        f"there is no '{error.thing}' in the catalogue", where=error.where,
+        expected=f"a piece that it has, such as {', '.join(near)}" if near else error.expected,
+        try_=error.try_,
+    )  # fmt: skip
 
 
 def _storey_meant(storeys: Mapping[str, str], said: str) -> str | None:
@@ -156,26 +183,55 @@ def edit(
     certificate has a new fault, or a room is less complete or right; or where a room keeps
     noticeably fewer planning rules, or the home a clause less of the standard it is planned to.
     Prims and files of rooms that the sentence does not mean stay as they are, byte for byte. The
-    stopwatch times read, arrange, stage and check.
+    stopwatch times read, arrange, stage and check. A question writes nothing and is answered;
+    "undo" and "redo" go one step along the history of a house that is its own target.
     """
     from chord_usd.base.runtime.alone import alone_with
+    from chord_usd.line.lists.speech_acts import past_asked
+    from chord_usd.line.stage.check.check_stage import check_stage
 
     watch = stopwatch or Stopwatch()
+    if past := past_asked(sentence):
+        return _gone_back(source, past, sentence, target, dry_run=dry_run)
     settings = settings or Settings(style="")
     with alone_with(source):
         with watch.step("read"):
             reading = read_sentence(source, sentence, edits, storey)
+        if reading.understood.answer:
+            with watch.step("check"):
+                return reading, Done(), check_stage(source, trusted=True)
         with watch.step("arrange"):
             house = reading.house
             style = style_named(house.graph.style or MIXED, house.seed)
             work = _carried_out(reading, style, settings)
             lost = [] if force else _worse_planned(house, work.graph)
             done = _done(house.graph, work)
-            change = _change(reading, work, style)
+            change = _change(reading, work, style, settings)
         report = _write(reading, change, target, edits, watch, lost, force=force, dry_run=dry_run)
     if edits:
         done = replace(done, taken_over=tuple(piece.path for piece in change.pieces))
     return reading, done, report
+
+
+def _gone_back(
+    source: Path, way: Literal["undo", "redo"], sentence: str, target: Path, *, dry_run: bool
+) -> tuple[Reading, Done, Report]:
+    from chord_usd.base.runtime.house_history import redo, undo
+    from chord_usd.base.runtime.locations import absolute
+    from chord_usd.line.lists.sentences import Understood
+    from chord_usd.line.stage.check.check_stage import check_stage
+    from chord_usd.line.stage.edit.staged_house import read_house
+
+    if dry_run or absolute(source) != absolute(target):
+        raise ChordError(
+            f"{sentence!r} changes a house in its place", where="the sentence",
+            expected="no dry run and no other output",
+        )  # fmt: skip
+    change = undo(source) if way == "undo" else redo(source)
+    house = read_house(source)
+    wording = f"{'taken back' if way == 'undo' else 'done again'}: {change.summary}"
+    reading = Reading(source, house, Understood((), answer=wording), house, sentence, is_past=True)
+    return reading, Done(), check_stage(source, trusted=True)
 
 
 def _database(settings: Settings, style: HomeStyle) -> AssetDatabase:
@@ -193,7 +249,7 @@ def _carried_out(reading: Reading, style: HomeStyle, settings: Settings) -> Work
     house = reading.house
     # Most edits need no new piece, and to load the database takes as long as they do.
     database = cache(lambda: _database(settings, style))
-    work = Work(house.graph, database, set(house.locked))
+    work = Work(house.graph, database, set(house.locked), assets=house.assets, worn=house.colours)
     carry_out(work, reading.understood.intents)
     for room_id, name in work.styles.items():
         _restyle(work, house, room_id, database().in_style(name), settings)
@@ -331,16 +387,26 @@ def _refuse_worse(source: Path, edits: Path | None, after: Report, planned: Sequ
         )  # fmt: skip
 
 
-def _change(reading: Reading, work: Work, style: HomeStyle) -> RoomsChange:
+def _change(reading: Reading, work: Work, style: HomeStyle, settings: Settings) -> RoomsChange:
     """The same, as the stage takes it: prims in place of ids."""
+    from chord_usd.base.scene.look_families import family_named
+    from chord_usd.library.looks.look_library import drawn_look
     from chord_usd.line.stage.edit.edit_rooms import RoomsChange
     from chord_usd.line.stage.edit.refurnish import NewFurniture
 
     house = reading.house
     pieces = list(_piece_changes(reading, work))
     rooms: dict[str, Any] = {}
+    shells = {name: house.graph.plan.room(own) for name, own in house.room_ids.items()}
+    name_of = {room.id: name for name, room in shells.items()}
+    now = (*work.graph.items, *work.graph.dressing)
+    placed = {one.room_id for one in now if one.id in work.new}
+    others = {room for intent in reading.understood.intents if intent.action != "paint"
+              for room in intent.rooms}  # fmt: skip
     for name in reading.rooms:
-        room: Room = house.graph.plan.room(house.room_ids[name])
+        room: Room = shells[name]
+        if room.id not in placed | others:
+            continue  # a colour alone leaves its furniture as it is
         worn = work.styles.get(room.id) or style.name
         rooms[name] = NewFurniture(
             name, room, [i for i in work.graph.items_of(room.id) if i.id in work.new],
@@ -348,7 +414,12 @@ def _change(reading: Reading, work: Work, style: HomeStyle) -> RoomsChange:
             [i for i in work.graph.dressing_of(room.id) if i.id in work.new],
             style=worn, home_seed=house.seed,
         )  # fmt: skip
-    return RoomsChange(pieces, rooms)
+    px = settings.texture_px // 2 * 2
+    looks = {
+        (name_of[room_id], part): drawn_look(family_named(look.family), look.settings, px)
+        for (room_id, part), look in work.looks.items()
+    }  # fmt: skip
+    return RoomsChange(pieces, rooms, work.colours, looks, shells, house.seed)
 
 
 def _piece_changes(reading: Reading, work: Work) -> Iterator[PieceChange]:

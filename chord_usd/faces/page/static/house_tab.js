@@ -260,7 +260,7 @@ class HouseTab {
     const state = this.lastSaid()?.state;
     if (state === this.said || !this.canvas.dataset.ready) return;
     this.said = state;
-    if (state === "failed") this.refresh();
+    if (state === "failed" || this.lastSaid()?.answer?.answer) this.refresh();
   }
 
   refresh() {
@@ -286,7 +286,8 @@ class HouseTab {
     const last = this.lastSaid();
     const isWorse = last?.state === "failed" && last.error.includes("--force") && last.given.sentence === sentence.value;
     const form = el("form", { class: "row" }, sentence, el("button", { type: "submit" }, "Change it"),
-      ...(isWorse ? [button("Do it all the same", () => say({ force: 1 }))] : []));
+      ...(isWorse ? [button("Do it all the same", () => say({ force: 1 }))] : []),
+      ...(last?.answer?.answer ? [el("p", { role: "status" }, last.answer.answer)] : []));
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       if (sentence.value.trim()) say({});

@@ -14,7 +14,7 @@ from pxr import Gf, Sdf
 from shapely.geometry import Polygon
 
 from chord_usd.base.scene.feels import FEEL_OF_LOOK, FEEL_OF_SURFACE
-from chord_usd.base.scene.geometry import hanging_together, seams
+from chord_usd.base.scene.geometry import hanging_together, room_polygon, seams
 from chord_usd.base.scene.looks import LOOK_FILE, Look, LookSource
 from chord_usd.base.scene.tunnels import GRID_M
 from chord_usd.base.scene.types import RoomKind
@@ -99,11 +99,37 @@ def _assign_looks(
         if not choices:
             shade(layer, specs[0], PLAIN_SURFACES[plain])
         for spec, look in zip(specs, choices, strict=False):
-            package = materials.add(look.usd_path, [LOOK_FILE])
-            spec.referenceList.prependedItems.append(Sdf.Reference(package))
-            label(spec, "material", look.name)
-            write_feel(spec, FEEL_OF_LOOK.get(look.family, FEEL_OF_SURFACE[plain]))
-            _lay(spec, look, part == "floor" and _runs_north(floor), rng)
+            _write_look(spec, look, part, floor, materials, rng)
+
+
+def wear_look(
+    layer: Sdf.Layer, room: NamedRoom, part: Part, look: Look, materials: Packages, seed: int
+) -> None:
+    """Let the floor or walls of a written room wear a look, which is offered from then on, too."""
+    prim, name = layer.GetPrimAtPath(room.path), f"{part}Material"
+    variants = prim.variantSets.get(name)
+    if variants is None:
+        variants = Sdf.VariantSetSpec(prim, name)
+        prim.variantSetNameList.prependedItems.append(name)
+    if look.name not in variants.variants:
+        variant = Sdf.VariantSpec(variants, look.name).primSpec
+        material = floor_material(room) if part == "floor" else wall_material(room)
+        spec = over(variant, "Architecture", "Materials", material)
+        rng = _generator(seed, room.room.id, part)
+        _write_look(spec, look, part, room_polygon(room.room), materials, rng)
+    prim.variantSelections[name] = look.name
+
+
+def _write_look(
+    spec: Sdf.PrimSpec, look: Look, part: Part, floor: Polygon, materials: Packages,
+    rng: np.random.Generator,
+) -> None:  # fmt: skip
+    package = materials.add(look.usd_path, [LOOK_FILE])
+    spec.referenceList.prependedItems.append(Sdf.Reference(package))
+    label(spec, "material", look.name)
+    usual = FEEL_OF_SURFACE[f"Plain{part.capitalize()}"]
+    write_feel(spec, FEEL_OF_LOOK.get(look.family, usual))
+    _lay(spec, look, part == "floor" and _runs_north(floor), rng)
 
 
 def _generator(seed: int, room_id: str, part: Part) -> np.random.Generator:

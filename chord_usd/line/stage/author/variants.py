@@ -3,33 +3,23 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 
-from chord_usd.base.runtime.stages import open_layer
 from chord_usd.base.scene.articulation import ARTICULATION, FIXED
 from chord_usd.base.scene.palette import Level, category
 from chord_usd.base.scene.style_finishes import kind_of, metal_like, suitability
 from chord_usd.base.scene.styles import Agreed, HomeStyle
 from chord_usd.base.scene.types import Item, Room
+from chord_usd.library.colourways import Offer, offer_of
+from chord_usd.library.component import COLOUR_VARIANT_SET
 
-COLOUR, METAL = "colour", "metal"
+COLOUR, METAL = COLOUR_VARIANT_SET, "metal"
 """Names of the variant sets of components."""
 
 _OVER_RUNS = ("wall_cabinet", "cooker_hood")
 
 _AS_GOOD = 0.05
 """Colourways that suit a home by so little less than the best are as good."""
-
-
-@dataclass(frozen=True)
-class _Offer:
-    """The variants that a component offers."""
-
-    variants: dict[str, list[str]]
-    """Names of variants by variant set."""
-    finishes: dict[str, list[str]]
-    """Names of the finishes of each colourway, a slot each."""
 
 
 @dataclass
@@ -43,7 +33,6 @@ class Wardrobe:
     """What the rooms of the house agree on, of the style."""
     articulation: str = FIXED
     """Whether what can open does."""
-    _choices: dict[Path, _Offer] = field(default_factory=dict)
 
     def selections(self, item: Item, room: Room) -> dict[str, str]:
         """Variant set to variant for an item of a room; the same seed chooses the same.
@@ -52,7 +41,7 @@ class Wardrobe:
         """
         if item.asset is None:
             return {}
-        offered = self._offered(item.asset.usd_path)
+        offered = offer_of(item.asset.usd_path)
         chosen = {}
         if len(offered.variants.get(COLOUR, ())) > 1:
             chosen[COLOUR] = self._colourway(offered, item, room)
@@ -62,20 +51,7 @@ class Wardrobe:
             chosen[ARTICULATION] = self.articulation
         return chosen
 
-    def _offered(self, path: Path) -> _Offer:
-        """What a component offers to choose from."""
-        if path not in self._choices:
-            layer = open_layer(path) if path.is_file() else None
-            root = layer.GetPrimAtPath(f"/{layer.defaultPrim}") if layer else None
-            sets = root.variantSets if root else {}
-            noted = root.customData.get("chord", {}) if root else {}
-            self._choices[path] = _Offer(
-                {name: [*entry.variants.keys()] for name, entry in sets.items()},
-                {name: text.split() for name, text in noted.get("finishes", {}).items()},
-            )
-        return self._choices[path]
-
-    def _colourway(self, offered: _Offer, item: Item, room: Room) -> str:
+    def _colourway(self, offered: Offer, item: Item, room: Room) -> str:
         """A colourway among the best for the home; the room and the kind decide which."""
         names = offered.variants[COLOUR]
         if _is_fitted(item) and self.home is not None:
@@ -97,7 +73,7 @@ class Wardrobe:
         return int.from_bytes(digest[:4], "little") % count
 
 
-def _that_vary(offered: _Offer, colourway: str) -> list[str]:
+def _that_vary(offered: Offer, colourway: str) -> list[str]:
     """Finishes of a colourway; fittings do not count where the home says what metal they are."""
     names = offered.finishes.get(colourway, [colourway])
     if METAL not in offered.variants:

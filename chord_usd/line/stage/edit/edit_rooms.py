@@ -14,12 +14,18 @@ from chord_usd.base.errors import StageError
 from chord_usd.base.runtime.house_history import Deed
 from chord_usd.base.runtime.stages import open_layer
 from chord_usd.base.scene.geometry import to_own, to_world
-from chord_usd.base.scene.types import Box, Provenance, StageFile
+from chord_usd.base.scene.looks import Look
+from chord_usd.base.scene.style_rooms import Part
+from chord_usd.base.scene.types import Box, Provenance, Room, StageFile
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.line.stage.author.design_notes import forget_design
 from chord_usd.line.stage.author.furniture import DRESSING, JOINTS, joint_name
+from chord_usd.line.stage.author.look_variants import wear_look
+from chord_usd.line.stage.author.names import NamedRoom
 from chord_usd.line.stage.author.prims import Types, apply_schema, attribute, define, relate
-from chord_usd.line.stage.author.stage_levels import room_spec, room_specs
+from chord_usd.line.stage.author.stage_levels import STOREY, room_spec, room_specs
+from chord_usd.line.stage.author.variants import COLOUR
+from chord_usd.line.stage.check.check_rules import NODE_ID
 from chord_usd.line.stage.edit.refurnish import (
     NewFurniture,
     furnish_layer,
@@ -27,6 +33,7 @@ from chord_usd.line.stage.edit.refurnish import (
     rewrite,
 )
 from chord_usd.line.stage.edit.staged_house import LOCKED
+from chord_usd.line.stage.export.packages import Packages
 
 _AT, _TURNED = "xformOp:translate", "xformOp:rotateZ"
 
@@ -54,6 +61,14 @@ class RoomsChange:
     rooms: Mapping[str, NewFurniture] = field(default_factory=dict)
     """New things, by the name of the room's prim, of every room that is changed; what is there and
     not removed is kept."""
+    colours: Mapping[str, str] = field(default_factory=dict)
+    """Colourways that things get, new ones too, by their ids."""
+    looks: Mapping[tuple[str, Part], Look] = field(default_factory=dict)
+    """Looks of walls and floors, by the name of the room's prim."""
+    shells: Mapping[str, Room] = field(default_factory=dict)
+    """The rooms that get looks, by the names of their prims."""
+    seed: int = 0
+    """Of the house."""
 
 
 def edit_rooms(
@@ -77,6 +92,13 @@ def edit_rooms(
             names = [spec.name for spec in there]
             layer = furnish_layer(path, finals, replace(new, kept=names))
         _collect_dressing(layer)
+        _colour(layer, change.colours)
+        materials = Packages(path.parent, finals, "materials")
+        for (name, part), look in change.looks.items():
+            group = _room(layer, name).nameParent.name
+            within = group if group.startswith(STOREY) else ""
+            named = NamedRoom(0, name, change.shells[name], (), (), (), within)
+            wear_look(layer, named, part, look, materials, change.seed)
         moved = [piece for piece in change.pieces if piece.now != piece.was]
         if moved:
             forget_design(layer, {path.name for piece in moved for path in _rooms_of(piece)})
@@ -84,6 +106,17 @@ def edit_rooms(
         return layer
 
     return rewrite(source, target, edit, made, deed, accept)
+
+
+def _colour(layer: Sdf.Layer, colours: Mapping[str, str]) -> None:
+    """Let things wear their colourways: their own, which the looks of the house may lack."""
+    due = [group for room in room_specs(layer) for group in room.nameChildren] if colours else []
+    while due:
+        prim = due.pop()
+        due += prim.nameChildren
+        noted = prim.attributes.get(NODE_ID)
+        if noted and noted.default in colours:
+            prim.variantSelections[COLOUR] = colours[noted.default]
 
 
 def _rooms_of(piece: PieceChange) -> Iterator[Sdf.Path]:

@@ -25,6 +25,7 @@ from chord_usd.line.stage.author.furniture import (
 )
 from chord_usd.line.stage.author.names import printable, room_title
 from chord_usd.line.stage.author.stage_levels import ROOMS
+from chord_usd.line.stage.author.variants import COLOUR
 from chord_usd.line.stage.check.check_rules import NODE_ID
 from chord_usd.line.stage.check.check_scene import CATEGORY
 from chord_usd.line.stage.read.leaf_states import shut_leaves
@@ -57,6 +58,8 @@ class StagedHouse:
     """Seed of the house."""
     assets: dict[str, Asset]
     """By id of an item with an asset; assets packed in an archive are left out."""
+    colours: dict[str, str]
+    """The colourway of each item that has several, by its id."""
     titles: dict[str, str]
     """What people call each room, by the name of its prim."""
     locked: frozenset[str] = frozenset()
@@ -173,10 +176,13 @@ def _house_of(stage: Usd.Stage, path: Path, room_name: str = "") -> StagedHouse:
     titles = {room.id: room_title(room, shown[room.id], named) for room in named}
     worn = {noted_id: _asset_of(stage.GetPrimAtPath(at)) for at, noted_id in noted.items()}
     assets = {item_id: asset for item_id, asset in worn.items() if asset}
+    sets = {noted_id: stage.GetPrimAtPath(at).GetVariantSets() for at, noted_id in noted.items()}
+    colours = {item_id: each.GetVariantSelection(COLOUR) for item_id, each in sets.items()
+               if each.HasVariantSet(COLOUR)}  # fmt: skip
     graph = _with_noted_ids(graph, noted)
     return StagedHouse(
-        graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets, titles, locked, storey,
-        standard_noted(chord),
+        graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets, colours, titles, locked,
+        storey, standard_noted(chord),
     )  # fmt: skip
 
 
