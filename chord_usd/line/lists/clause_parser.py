@@ -52,24 +52,24 @@ def clauses_in(read: Iterable[Token], acts: Iterable[Act]) -> Iterator[Clause]:
 
 def joined(clauses: list[Clause]) -> list[Clause]:
     """Clauses, with both halves of a swap in one."""
-    found: list[Clause] = []
-    for own in clauses:
-        before = found[-1] if found else Clause()
-        is_end = own.verb == "swap" and before.verb in ("", "weak") and before.nouns
-        is_half = before.verb == "swap" and len(before.nouns) == 1 and not own.verb
+    parsed: list[Clause] = []
+    for clause in clauses:
+        before = parsed[-1] if parsed else Clause()
+        is_end = clause.verb == "swap" and before.verb in ("", "weak") and before.nouns
+        is_half = before.verb == "swap" and len(before.nouns) == 1 and not clause.verb
         if is_end or is_half:
-            _take_over(before, own)
+            _take_over(before, clause)
         else:
-            found.append(own)
-    return found
+            parsed.append(clause)
+    return parsed
 
 
-def _take_over(before: Clause, own: Clause) -> None:
+def _take_over(before: Clause, clause: Clause) -> None:
     before.verb, before.verb_said = "swap", "swap"
-    before.said += ["and", *own.said]
-    before.nouns += own.nouns
-    before.rooms += own.rooms
-    before.is_there = before.is_there or own.is_there
+    before.said += ["and", *clause.said]
+    before.nouns += clause.nouns
+    before.rooms += clause.rooms
+    before.is_there = before.is_there or clause.is_there
 
 
 class _Parser:
@@ -88,8 +88,8 @@ class _Parser:
 
     def is_full(self, token: Token) -> bool:
         """Whether a verb belongs to the next clause."""
-        own = self.clause.verb
-        return bool(own and own != "weak" and token.value != "weak" and not self.clause.is_bare
+        verb = self.clause.verb
+        return bool(verb and verb != "weak" and token.value != "weak" and not self.clause.is_bare
                     and not self._is_wished
                     and token.said not in ("up", "face", "get"))  # fmt: skip
 
@@ -163,11 +163,11 @@ class _Parser:
         self._own(ONE, token.said)
 
     def _own(self, thing: Thing, said: str) -> None:
-        own = self.next
-        own.thing, own.said = thing, said
-        own.count = own.count if self.number is None else self.number
+        token = self.next
+        token.thing, token.said = thing, said
+        token.count = token.count if self.number is None else self.number
         self.number, self.next = None, Noun(Thing("", ()), "")
-        self._noun(own)
+        self._noun(token)
 
     def _noun(self, noun: Noun | str) -> None:
         clause = self.clause

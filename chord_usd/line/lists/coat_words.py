@@ -65,7 +65,7 @@ def _colours() -> dict[str, tuple[int, int, int]]:
 @cache
 def _materials() -> dict[str, str]:
     rows = (row.partition("=") for row in _MATERIALS.split("|"))
-    return {said or own: own for own, _, said in rows} | {wood: wood for wood in WOODS}
+    return {said or colour: colour for colour, _, said in rows} | {wood: wood for wood in WOODS}
 
 
 def coat(words: Sequence[str]) -> Coat | None:

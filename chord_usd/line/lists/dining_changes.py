@@ -103,7 +103,9 @@ def beside_ways(view: View, changes: Iterator[Change]) -> Iterator[Change]:
     """Those of some changes that leave ways through the room, evenly; without any, all."""
     every = list(changes)
     some = every[:: 1 + len(every) // _LAID]
-    yield from [one for one in some if leaves_ways(View(view.shell, one, view.hung))] or every
+    yield from [
+        change for change in some if leaves_ways(View(view.shell, change, view.hung))
+    ] or every
 
 
 def laid_instead(view: View, seats: int) -> Iterator[Change]:

@@ -240,22 +240,26 @@ def is_unit(words: Sequence[str]) -> bool:
 
 @cache
 def _things() -> dict[str, Thing]:
-    found = {word: Thing(own.word, _counted(own.category), own.length_m)
-             for word, own in WORDS.items() if word.isascii()}  # fmt: skip
+    things = {word: Thing(entry.word, _counted(entry.category), entry.length_m)
+             for word, entry in WORDS.items() if word.isascii()}  # fmt: skip
     for row in DRESSING_CATEGORIES:
-        found[row.label.lower().replace(" ", "")] = Thing(row.label.lower(), (row.name,))
+        things[row.label.lower().replace(" ", "")] = Thing(row.label.lower(), (row.name,))
     for category, (counted, words) in _ALSO.items():
         for word in (category, *words.split("|")):
-            own = Thing(word.replace("_", " "), tuple(counted.split()))
-            found[word.replace("_", "")] = own
-    return found
+            thing_of_word = Thing(word.replace("_", " "), tuple(counted.split()))
+            things[word.replace("_", "")] = thing_of_word
+    return things
 
 
 def known_things() -> list[str]:
     """One word or more for each kind of piece, in English."""
     labels = [row.label.lower() for row in (*CATEGORIES.values(), *DRESSING_CATEGORIES)]
-    return list(dict.fromkeys([*labels, *(one.word for one in _things().values() if " " in one.word
-                                          and one.categories[0] in CATEGORIES)]))  # fmt: skip
+    phrases = (
+        known.word
+        for known in _things().values()
+        if " " in known.word and known.categories[0] in CATEGORIES
+    )
+    return list(dict.fromkeys([*labels, *phrases]))
 
 
 def _counted(category: str) -> tuple[str, ...]:
@@ -268,17 +272,17 @@ def thing(words: Sequence[str]) -> Thing | None:
     joined, things = "".join(words), _things()
     stems = [joined, *(joined.removesuffix(end) for end in ("s", "es") if joined.endswith(end))]
     stems += [f"{joined[:-3]}f", f"{joined[:-3]}y"] if joined.endswith(("ves", "ies")) else []
-    found = next((things[stem] for stem in stems if stem in things), None)
-    if found is None and (other := named(list(words))):  # "chests of drawers"
-        found = Thing(other.word, _counted(other.category), other.length_m)
-    return found
+    match = next((things[stem] for stem in stems if stem in things), None)
+    if match is None and (other := named(list(words))):  # "chests of drawers"
+        match = Thing(other.word, _counted(other.category), other.length_m)
+    return match
 
 
 @cache
 def _spellings() -> frozenset[str]:
     """Single words that a misspelt one may be."""
     phrases = {word for text in _phrases() for word in text.split()}
-    nouns = {word for own in _things().values() for word in own.word.split()}
+    nouns = {word for known in _things().values() for word in known.word.split()}
     return frozenset(word for word in phrases | nouns if len(word) >= _SHORTEST_MISSPELT)
 
 
@@ -287,7 +291,7 @@ def mended(word: str, also: frozenset[str] = frozenset()) -> str | None:
     places; None where there is none, or several. also: further known words."""
     if len(word) < _SHORTEST_MISSPELT:
         return None
-    near = {one for one in _spellings() | also if _is_slip(word, one)}
+    near = {spelling for spelling in _spellings() | also if _is_slip(word, spelling)}
     return near.pop() if len(near) == 1 else None
 
 
@@ -339,17 +343,17 @@ def _token(
     words: Sequence[str], at: int, rooms: Mapping[int, tuple[int, str]]
 ) -> tuple[int, Token]:
     for taken in range(min(LONGEST, len(words) - at), 0, -1):
-        own = words[at : at + taken]
-        said = " ".join(own)
+        part = words[at : at + taken]
+        said = " ".join(part)
         is_place = at in rooms and rooms[at][0] == taken and not _cuts_a_thing(words, at, taken)
         before = words[at - 2 : at] if at and words[at - 1] == "the" else words[at - 1 : at]
         if is_place and before and before[0] in ("in", "into", "from"):
-            found = None  # "in the toilet" is a room
+            match = None  # "in the toilet" is a room
         else:
-            found = thing(own) if all(word.isalpha() for word in own) else None
-        worn = None if found else coat(own)
-        if found and said not in _phrases():
-            return taken, Token("thing", found.word, said, found)
+            match = thing(part) if all(word.isalpha() for word in part) else None
+        worn = None if match else coat(part)
+        if match and said not in _phrases():
+            return taken, Token("thing", match.word, said, match)
         if is_place:
             return taken, Token("room", rooms[at][1], said)
         if said in _phrases():

@@ -81,8 +81,8 @@ def furnish_by_lists(
     ]
     wishes = [(asked or {}).get(room.id, Asked()) for room, _ in jobs]
     spared = toilets_elsewhere(plan.rooms)
-    drawn_as = [replace(one, excluded=one.excluded | {"toilet"}) if room.id in spared else one
-                for one, (room, _) in zip(wishes, jobs, strict=True)]  # fmt: skip
+    drawn_as = [replace(wish, excluded=wish.excluded | {"toilet"}) if room.id in spared else wish
+                for wish, (room, _) in zip(wishes, jobs, strict=True)]  # fmt: skip
     rng = np.random.default_rng(drafts.seed)
     clear = ClearFloors(list(clearances(plan.rooms, plan.openings)))
     table = _Table(

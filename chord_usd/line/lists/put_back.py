@@ -152,7 +152,7 @@ class _Work:
     ) -> None:
         """Give the home what it lacks, in these rooms. known: rules that no room could keep."""
         tried = {*known}
-        while rule := next((one for one in lacking(self.home) if one not in tried), None):
+        while rule := next((broken for broken in lacking(self.home) if broken not in tried), None):
             tried.add(rule)
             for at, changes in repairs(self.home, rule, compose):
                 if self.home.rooms[at].shell.room.id in rooms:

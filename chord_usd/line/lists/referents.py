@@ -49,21 +49,21 @@ class Referents:
         """What the house has of the things that a question names, in the rooms that it names."""
         said = [token.value for token in tokens if token.kind == "room"]
         rooms = [room.id for name in said for room in rooms_meant(name, self._rooms, WHERE)]
-        told = []
+        lines = []
         for token in tokens:
             if token.thing is not None:
-                own = self.there(Noun(token.thing, token.said), rooms)
-                counts = Counter(self.name(one.room_id) for one in own)
+                items = self.there(Noun(token.thing, token.said), rooms)
+                counts = Counter(self.name(item.room_id) for item in items)
                 places = [f"{count} in {room}" for room, count in counts.items()]
-                told.append(f"{token.thing.word}: {', '.join(places) or 'none there'}")
-        if not told:
-            told = [f"{self.name(room)} has {self._inventory(room)}" for room in rooms]
-        return "; ".join(dict.fromkeys(told)) or "it names no piece and no room of this house"
+                lines.append(f"{token.thing.word}: {', '.join(places) or 'none there'}")
+        if not lines:
+            lines = [f"{self.name(room)} has {self._inventory(room)}" for room in rooms]
+        return "; ".join(dict.fromkeys(lines)) or "it names no piece and no room of this house"
 
     def _inventory(self, room_id: str) -> str:
         """What furniture a room has, in words."""
-        own = [one.category for one in self._graph.items if one.room_id == room_id]
-        counts = Counter(name.replace("_", " ") for name in own)
+        categories = [item.category for item in self._graph.items if item.room_id == room_id]
+        counts = Counter(name.replace("_", " ") for name in categories)
         return ", ".join(f"{count} × {name}" for name, count in counts.items()) or "no furniture"
 
     def home_of(self, clause: Clause) -> str:
@@ -74,14 +74,20 @@ class Referents:
             return ""  # of which windows, nobody said
         kinds = {row.rooms for row in rows[:1]}  # "a dining table with six chairs"
         homes = {rooms[0] for rooms in kinds if set(rooms) < set(ROOM_KINDS)}
-        found = [own for own, kind in self._kinds.items() if kind in homes and own in self._name_of]
+        suitable = [
+            room_id
+            for room_id, kind in self._kinds.items()
+            if kind in homes and room_id in self._name_of
+        ]
         if len(homes) != 1 or len(kinds) != 1:
             return ""
-        lacking = found if len(found) == 1 else [
-            own for own in found if not any(self.there(noun, [own]) for noun in clause.nouns[:1])
+        first = clause.nouns[:1]
+        lacking = [
+            room_id for room_id in suitable
+            if len(suitable) == 1 or not any(self.there(noun, [room_id]) for noun in first)
         ]  # fmt: skip
         if not lacking and all("living" in rooms for rooms in kinds):
-            lacking = [own for own in self._name_of if self._kinds[own] == "living"]
+            lacking = [room_id for room_id in self._name_of if self._kinds[room_id] == "living"]
         area = {room.id: room_polygon(room).area for room in self._rooms.values()}
         return max(lacking, key=area.__getitem__, default="")
 
@@ -90,7 +96,7 @@ class Referents:
         rooms with water get no wood."""
         kept = {"balcony"} if coat else set()
         kept |= set(WET_KINDS) if coat and coat.material in (*WOODS, "wood") else set()
-        return [own for own in self._name_of if self._kinds[own] not in kept]
+        return [room_id for room_id in self._name_of if self._kinds[room_id] not in kept]
 
     def wall_named(self, anchor: str, item: Item) -> str:
         """The wall that an anchor means, where it depends on a piece: the one before its front."""
@@ -103,35 +109,39 @@ class Referents:
 
     def rooms_of(self, clause: Clause, *preps: str) -> list[str]:
         """Ids of the rooms that a clause names with one of these prepositions."""
-        found = []
+        ids = []
         for prep, said in clause.rooms:
             if prep in preps:
-                found += [room.id for room in rooms_meant(said, self._rooms, WHERE)]
-        if clause.is_there and not found and "in" in preps and self.room_said:
-            found.append(self.room_said)
-        return found
+                ids += [room.id for room in rooms_meant(said, self._rooms, WHERE)]
+        if clause.is_there and not ids and "in" in preps and self.room_said:
+            ids.append(self.room_said)
+        return ids
 
     def rooms_for(self, clause: Clause, following: Sequence[Clause], *preps: str) -> list[str]:
         """The same; where it names none, what the clauses without a verb that follow name."""
-        found = self.rooms_of(clause, *preps)
-        for later in following if not found else ():
+        ids = self.rooms_of(clause, *preps)
+        for later in following if not ids else ():
             if later.verb or later.coat:
                 break
-            found = self.rooms_of(later, *preps)
-            if found:
+            ids = self.rooms_of(later, *preps)
+            if ids:
                 break
-        return found
+        return ids
 
     def there(self, noun: Noun, rooms: Sequence[str], *, but: Sequence[str] = ()) -> list[Item]:
         """Pieces of the house that a noun means, in these rooms or in any."""
-        own = [one for one in self._things if one.category in self.categories(noun, one.room_id)]
+        items = [
+            item for item in self._things if item.category in self.categories(noun, item.room_id)
+        ]
         least, most = noun.thing.length_m
-        own = [one for one in own if least - SLACK_M <= one.box.size_m[0] <= most + SLACK_M]
+        items = [item for item in items if least - SLACK_M <= item.box.size_m[0] <= most + SLACK_M]
         kind = SEATED_AT.get(noun.thing.word)
         if kind:
-            tables = {one.id: table_of(one, self._things) for one in own}
-            own = [one for one in own if (at := tables[one.id]) and at.category == kind]
-        return [one for one in own if (not rooms or one.room_id in rooms) and one.id not in but]
+            tables = {item.id: table_of(item, self._things) for item in items}
+            items = [item for item in items if (at := tables[item.id]) and at.category == kind]
+        return [
+            item for item in items if (not rooms or item.room_id in rooms) and item.id not in but
+        ]
 
     def categories(self, noun: Noun, room_id: str) -> tuple[str, ...]:
         kind = self._kinds.get(room_id, "unknown")
@@ -147,19 +157,19 @@ class Referents:
                 clause.words, f"which '{noun.said}' is {looks} is not known here",
                 "pieces by their kind and room",
             )  # fmt: skip
-        found = self.there(noun, rooms)
-        if not found:
+        items = self.there(noun, rooms)
+        if not items:
             place = f"in {self.name(rooms[0])}" if rooms else "in the house"
             raise not_understood(clause.words, f"no {noun.said} {place}")
         beside = self.anchor_room(clause) if not rooms else ""
-        if beside and any(one.room_id == beside for one in found):
-            found = [one for one in found if one.room_id == beside]
-        elif not rooms and self.room_said and any(one.room_id == self.room_said for one in found):
-            found = [one for one in found if one.room_id == self.room_said]
-        if len({one.room_id for one in found}) > 1 and not noun.is_every:
-            names = ", ".join(dict.fromkeys(self.name(one.room_id) for one in found))
+        if beside and any(item.room_id == beside for item in items):
+            items = [item for item in items if item.room_id == beside]
+        elif not rooms and self.room_said and any(item.room_id == self.room_said for item in items):
+            items = [item for item in items if item.room_id == self.room_said]
+        if len({item.room_id for item in items}) > 1 and not noun.is_every:
+            names = ", ".join(dict.fromkeys(self.name(item.room_id) for item in items))
             raise not_understood(clause.words, f"'{noun.said}' may be that of {names}", ROOM_TOO)
-        return found
+        return items
 
     @staticmethod
     def is_group(noun: Noun) -> bool:
@@ -168,14 +178,14 @@ class Referents:
 
     def single(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> list[Item]:
         """The one piece that a noun means, or as many as are counted, or all of a group."""
-        found = self.meant(clause, noun, rooms)
-        if noun.is_every or self.is_group(noun) or len(found) == 1:
-            return found
-        if noun.count is not None and noun.count == len(found):
-            return found
+        items = self.meant(clause, noun, rooms)
+        if noun.is_every or self.is_group(noun) or len(items) == 1:
+            return items
+        if noun.count is not None and noun.count == len(items):
+            return items
         raise not_understood(
-            clause.words, f"there are {len(found)} of '{noun.said}' in "
-            f"{self.name(found[0].room_id)}", "all of them, or what is there once"
+            clause.words, f"there are {len(items)} of '{noun.said}' in "
+            f"{self.name(items[0].room_id)}", "all of them, or what is there once"
         )  # fmt: skip
 
     def name(self, room_id: str) -> str:
@@ -184,53 +194,53 @@ class Referents:
     def subjects(self, clause: Clause, rooms: Sequence[str]) -> list[Item]:
         """What a verb is done to: nouns, or what was spoken of before."""
         if clause.is_it and not clause.nouns:
-            before = [one for one in self._things if one.id in self.last]
+            before = [item for item in self._things if item.id in self.last]
             if not before:
                 raise not_understood(clause.words, "what is meant by 'it'?", "what the house has")
             return before
         if not clause.nouns:
             raise not_understood(clause.words, "it names no piece")
-        return [one for noun in clause.nouns for one in self.single(clause, noun, rooms)]
+        return [item for noun in clause.nouns for item in self.single(clause, noun, rooms)]
 
     def anchors(self, clause: Clause, room: str, but: Sequence[str] = ()) -> tuple[str, ...]:
         """Ids of what a relation is to, and features."""
-        found: list[str] = []
+        ids: list[str] = []
         for anchor in clause.anchors:
             if isinstance(anchor, str):
-                found.append(anchor)
+                ids.append(anchor)
                 continue
-            own = self.there(anchor, [room] if room else [], but=but)
-            if not own:
+            items = self.there(anchor, [room] if room else [], but=but)
+            if not items:
                 place = f"in {self.name(room)}" if room else "in the house"
                 raise not_understood(clause.words, f"no {anchor.said} {place}")
-            if not room and len({one.room_id for one in own}) > 1:
-                names = ", ".join(dict.fromkeys(self.name(one.room_id) for one in own))
+            if not room and len({item.room_id for item in items}) > 1:
+                names = ", ".join(dict.fromkeys(self.name(item.room_id) for item in items))
                 raise not_understood(
                     clause.words, f"'{anchor.said}' may be that of {names}", ROOM_TOO
                 )
-            found += [one.id for one in own]
-        if clause.relation and not found:
+            ids += [item.id for item in items]
+        if clause.relation and not ids:
             raise not_understood(clause.words, f"'{clause.relation}' what?")
         if clause.relation == "between" and len(clause.anchors) < 2:
             raise not_understood(clause.words, "between what?")
-        return tuple(found)
+        return tuple(ids)
 
-    def near(self, own: Sequence[Item], clause: Clause) -> list[Item]:
+    def near(self, items: Sequence[Item], clause: Clause) -> list[Item]:
         """Those of the pieces that stand where a relation says."""
         if not clause.anchors:
-            return list(own)
-        if clause.relation != "by" or any(isinstance(one, str) for one in clause.anchors):
+            return list(items)
+        if clause.relation != "by" or any(isinstance(anchor, str) for anchor in clause.anchors):
             raise not_understood(clause.words, f"'{clause.relation}' for what is there already")
-        room = own[0].room_id if own else ""
-        ids = self.anchors(clause, room, [one.id for one in own])
-        shapes = [footprint_polygon(one.box) for one in self._things if one.id in ids]
+        room = items[0].room_id if items else ""
+        ids = self.anchors(clause, room, [item.id for item in items])
+        shapes = [footprint_polygon(item.box) for item in self._things if item.id in ids]
         return [
-            one for one in own
-            if any(footprint_polygon(one.box).distance(shape) <= _BY_M for shape in shapes)
+            item for item in items
+            if any(footprint_polygon(item.box).distance(shape) <= _BY_M for shape in shapes)
         ]  # fmt: skip
 
     def anchor_room(self, clause: Clause) -> str:
         """Id of the one room where all pieces are that a relation is to; "" where that is none."""
         nouns = [anchor for anchor in clause.anchors if isinstance(anchor, Noun)]
-        rooms = {one.room_id for noun in nouns for one in self.there(noun, [])}
+        rooms = {item.room_id for noun in nouns for item in self.there(noun, [])}
         return rooms.pop() if len(rooms) == 1 else ""

@@ -80,18 +80,18 @@ def clauses_of(sentence: str, rooms: Mapping[str, Room], answer: Answer) -> Read
 
 def _rooms_in(words: list[str], rooms: Mapping[str, Room]) -> dict[int, tuple[int, str]]:
     """Where rooms are named: from which word, how many words, and the name."""
-    own = {plain_text(name) for room in rooms.items() for name in (room[0], room[1].name)}
-    found: dict[int, tuple[int, str]] = {}
+    names = {plain_text(name) for room in rooms.items() for name in (room[0], room[1].name)}
+    matches: dict[int, tuple[int, str]] = {}
     for start in range(len(words)):
         for taken in range(min(_LONGEST_ROOM, len(words) - start), 0, -1):
             part = words[start : start + taken]
             is_measure = part[-1].isdigit() and is_unit(words[start + taken :][:1])
-            if " ".join(part) in own or (_is_room(part) and not is_measure):
-                found[start] = taken, " ".join(part)
+            if " ".join(part) in names or (_is_room(part) and not is_measure):
+                matches[start] = taken, " ".join(part)
                 break
             if taken == 1 and part[0] in _OUTSIDE:
-                found[start] = 1, "balcony"
-    return found
+                matches[start] = 1, "balcony"
+    return matches
 
 
 def _is_room(words: list[str]) -> bool:
@@ -126,9 +126,9 @@ def _refuse_unknown(read: list[Token], sentence: str) -> None:
     strange = [" ".join(run) for run in runs if run]
     if not strange:
         return
-    told = ", ".join(repr(one) for one in strange)
+    words = ", ".join(repr(word) for word in strange)
     error = not_understood(
-        " ".join(sentence.split()), f"{told} has no meaning here",
+        " ".join(sentence.split()), f"{words} has no meaning here",
         "pieces, rooms, places, turns, colours, styles and counts, in English", _EXAMPLE,
     )  # fmt: skip
     named = [run for run in strange if run in _named_things(read)]

@@ -46,11 +46,11 @@ def understand(sentence: str, graph: SceneGraph, rooms: Mapping[str, Room]) -> U
     for at, clause in enumerate(read.clauses):
         following = read.clauses[at + 1 :]
         try:
-            found = reader.intents(clause, following)
+            more = reader.intents(clause, following)
         except ChordError as error:
-            known = "; ".join(one.wording for one in intents)
+            known = "; ".join(intent.wording for intent in intents)
             raise _with_known(error, known) if known else error from None
-        intents += [one for one in found if one not in intents]
+        intents += [intent for intent in more if intent not in intents]
     if not intents:
         raise not_understood(" ".join(sentence.split()), "it asks for nothing")
     _refuse_contradictions(intents)
@@ -66,31 +66,34 @@ def _with_known(error: ChordError, known: str) -> ChordError:
 
 def _refuse_contradictions(intents: Sequence[Intent]) -> None:
     """Raises ChordError where one thing undoes another."""
-    for at, one in enumerate(intents):
+    for at, intent in enumerate(intents):
         for other in intents[at + 1 :]:
-            shared = set(one.items) & set(other.items)
-            kinds = {one.action, other.action}
+            shared = set(intent.items) & set(other.items)
+            kinds = {intent.action, other.action}
             ends = kinds & {"remove", "replace"}
             moves = {"move", "turn", "face", "swap", "replace", "remove"}
             clash = bool(shared) and (
                 bool(ends) or kinds == {"lock", "unlock"}
                 or ("lock" in kinds and bool(kinds & moves))
-                or (one.action == other.action and one != other and one.action != "lock")
+                or (intent.action == other.action and intent != other and intent.action != "lock")
             )  # fmt: skip
-            if one.action == other.action and one.action in ("style", "paint") and not shared:
-                clash = one != other and (one.room, one.surface) == (other.room, other.surface)
-                clash = clash and not one.items
-            clash = clash or _comes_and_goes(one, other)
+            if intent.action == other.action and intent.action in ("style", "paint") and not shared:
+                clash = intent != other and (intent.room, intent.surface) == (
+                    other.room,
+                    other.surface,
+                )
+                clash = clash and not intent.items
+            clash = clash or _comes_and_goes(intent, other)
             if clash:
                 raise ChordError(
-                    f"'{one.wording}' and '{other.wording}' contradict each other", where=WHERE,
+                    f"'{intent.wording}' and '{other.wording}' contradict each other", where=WHERE,
                     expected="one of the two",
                 )  # fmt: skip
 
 
-def _comes_and_goes(one: Intent, other: Intent) -> bool:
+def _comes_and_goes(intent: Intent, other: Intent) -> bool:
     """Whether a kind of piece is added to a room and is not to be there."""
-    for add, gone in ((one, other), (other, one)):
+    for add, gone in ((intent, other), (other, intent)):
         if add.action == "add" and gone.action == "remove" and add.room == gone.room and add.new:
             barred = gone.new
             if barred and barred.category == add.new.category:

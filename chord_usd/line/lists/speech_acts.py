@@ -69,8 +69,8 @@ def separates(token: Token, part: Sequence[Token]) -> bool:
     """Whether a token ends a part; "and" between two anchors of "between" does not."""
     if token.kind != "and":
         return False
-    at = next((n for n, one in enumerate(part) if one.value == "between"), None)
-    anchors = () if at is None else [one for one in part[at:] if one.kind in _PLACES]
+    at = next((n for n, token in enumerate(part) if token.value == "between"), None)
+    anchors = () if at is None else [token for token in part[at:] if token.kind in _PLACES]
     return not (len(anchors) == 1 and token.said in ("and", "&", "+"))
 
 
@@ -96,8 +96,8 @@ def _requests(part: Sequence[Token]) -> bool:
     said = [token.said for token in part]
     if "please" in said or "kindly" in said:
         return True
-    polite = any(one in _REQUESTS and said[at + 1 : at + 2] != ["like"]
-                 for at, one in enumerate(said))  # fmt: skip
+    polite = any(token in _REQUESTS and said[at + 1 : at + 2] != ["like"]
+                 for at, token in enumerate(said))  # fmt: skip
     pairs = pairwise(said)
     return polite or any(a in ("can", "could", "may") and b in _SPEAKERS for a, b in pairs)
 

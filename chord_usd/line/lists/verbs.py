@@ -50,15 +50,15 @@ class Reader(Referents):
         if unnamed and (name not in _EXCHANGES or clause.nouns[1:] != unnamed):
             raise not_understood(clause.words, f"what is '{unnamed[0].said}'?", "a piece")
         act = cast(Callable[[Clause, Sequence[Clause]], list[Intent]], getattr(self, name))
-        found = act(clause, following)
-        if found and found[0].action == "add" and not (clause.rooms or clause.anchors):
+        intents = act(clause, following)
+        if intents and intents[0].action == "add" and not (clause.rooms or clause.anchors):
             pass  # where nobody said a room, the next piece goes to its usual one
-        elif len({intent.room for intent in found}) == 1:
-            self.room_said = found[-1].to_room or found[-1].room
-        elif found:
+        elif len({intent.room for intent in intents}) == 1:
+            self.room_said = intents[-1].to_room or intents[-1].room
+        elif intents:
             self.room_said = ""  # of several, none is the room of what follows
-        self.last = found[-1].items if found else ()  # none of "it" for what is new
-        return found
+        self.last = intents[-1].items if intents else ()  # none of "it" for what is new
+        return intents
 
     def _act_of(self, clause: Clause, verb: str) -> str:
         """The name of what does it: what a clause holds says more than its verb."""
@@ -113,8 +113,8 @@ class Reader(Referents):
     def _stated(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         """Nothing: an order that follows says what shall be done with the pieces it is about."""
         if not any(noun.is_denied for noun in clause.nouns):
-            own = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
-            self.last, self.room_said = tuple(one.id for one in own), own[0].room_id
+            items = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
+            self.last, self.room_said = tuple(item.id for item in items), items[0].room_id
         return []
 
     def _add(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
@@ -131,13 +131,13 @@ class Reader(Referents):
         rooms = rooms or [room for room in [self.room_said or self.home_of(clause)] if room]
         if not rooms:
             raise not_understood(clause.words, "in which room?", ROOM_TOO)
-        found = []
+        intents = []
         for room in dict.fromkeys(rooms):
             for noun in clause.nouns:
-                found.append(self._added(clause, noun, room))
-        if not found:
+                intents.append(self._added(clause, noun, room))
+        if not intents:
             raise not_understood(clause.words, "it names no piece")
-        return found
+        return intents
 
     def _is_move(self, clause: Clause) -> bool:
         """Whether "put the sofa by the window" means the sofa that is there."""
@@ -147,8 +147,8 @@ class Reader(Referents):
         return bool(self.there(nouns[0], []))
 
     def _added(self, clause: Clause, noun: Noun, room: str) -> Intent:
-        own = self.categories(noun, room)[0]
-        if category(own).level not in (Level.HOUSE, Level.DRESSING):
+        chosen = self.categories(noun, room)[0]
+        if category(chosen).level not in (Level.HOUSE, Level.DRESSING):
             raise not_understood(clause.words, f"a {noun.said} stands on tables")
         count = int(1 if noun.count is None else noun.count)
         if not 1 <= count <= MOST_PIECES or noun.count not in (None, count):
@@ -158,15 +158,19 @@ class Reader(Referents):
         anchors = self.anchors(clause, room)
         relation = cast(Relation, clause.relation)
         size = noun.size or {1: "large", -1: "small"}.get(clause.scale, "")
-        new = NewPiece(own, noun.thing.length_m, size, noun.coat, clause.style, noun.form)  # type: ignore[arg-type]
-        told = f"add {count} × {_coated(noun.coat)}{noun.thing.word} to {self.name(room)}"
-        told += self._where(clause)
-        return Intent("add", room, told, new=new, count=count, relation=relation, anchors=anchors)
+        new = NewPiece(chosen, noun.thing.length_m, size, noun.coat, clause.style, noun.form)  # type: ignore[arg-type]
+        wording = f"add {count} × {_coated(noun.coat)}{noun.thing.word} to {self.name(room)}"
+        wording += self._where(clause)
+        return Intent(
+            "add", room, wording, new=new, count=count, relation=relation, anchors=anchors
+        )
 
     def _where(self, clause: Clause) -> str:
         if not clause.relation:
             return ""
-        names = [one if isinstance(one, str) else one.thing.word for one in clause.anchors]
+        names = [
+            anchor if isinstance(anchor, str) else anchor.thing.word for anchor in clause.anchors
+        ]
         return f", {clause.relation} the {' and the '.join(names)}"
 
     def _remove(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
@@ -178,21 +182,21 @@ class Reader(Referents):
             return self._removed_ids(clause)
         if not clause.nouns:
             raise not_understood(clause.words, "it names no piece")
-        return [one for noun in clause.nouns for one in self._removed(clause, noun, rooms)]
+        return [item for noun in clause.nouns for item in self._removed(clause, noun, rooms)]
 
     def _removed_ids(self, clause: Clause) -> list[Intent]:
-        own = self.subjects(clause, [])
-        told = f"remove {len(own)} × {category(own[0].category).label.lower()}"
-        told += f" from {self.name(own[0].room_id)}"
-        return [Intent("remove", own[0].room_id, told, tuple(one.id for one in own))]
+        items = self.subjects(clause, [])
+        wording = f"remove {len(items)} × {category(items[0].category).label.lower()}"
+        wording += f" from {self.name(items[0].room_id)}"
+        return [Intent("remove", items[0].room_id, wording, tuple(item.id for item in items))]
 
     def _removed(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> Iterator[Intent]:
-        own = self._to_remove(clause, noun, rooms)
-        for room in rooms if noun.is_denied and rooms else dict.fromkeys(i.room_id for i in own):
-            ids = tuple(one.id for one in own if one.room_id == room)
-            told = f"remove {len(ids)} × {noun.thing.word} from {self.name(room)}"
+        items = self._to_remove(clause, noun, rooms)
+        for room in rooms if noun.is_denied and rooms else dict.fromkeys(i.room_id for i in items):
+            ids = tuple(item.id for item in items if item.room_id == room)
+            wording = f"remove {len(ids)} × {noun.thing.word} from {self.name(room)}"
             barred = NewPiece(noun.thing.categories[0]) if noun.is_denied else None
-            yield Intent("remove", room, told, ids, barred)
+            yield Intent("remove", room, wording, ids, barred)
 
     def _to_remove(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> list[Item]:
         count = int(1 if noun.count is None else noun.count)
@@ -201,15 +205,15 @@ class Reader(Referents):
         if noun.is_denied or noun.is_every:
             return self.near(self.meant(clause, noun, rooms), clause)
         if noun.is_less or noun.is_only or (noun.count is not None and not noun.is_definite):
-            own = self.near(self.meant(clause, noun, rooms), clause)
-            gone = len(own) - count if noun.is_only else count
-            if not 0 <= gone <= len(own) or noun.count not in (None, count):
-                raise not_understood(clause.words, f"there are {len(own)} of '{noun.said}'")
-            return own[len(own) - gone :]
-        own = self.single(clause, noun, rooms)
-        if len(self.near(own, clause)) != len(own):
+            items = self.near(self.meant(clause, noun, rooms), clause)
+            gone = len(items) - count if noun.is_only else count
+            if not 0 <= gone <= len(items) or noun.count not in (None, count):
+                raise not_understood(clause.words, f"there are {len(items)} of '{noun.said}'")
+            return items[len(items) - gone :]
+        items = self.single(clause, noun, rooms)
+        if len(self.near(items, clause)) != len(items):
             raise not_understood(clause.words, f"'{noun.said}' stands elsewhere")
-        return own
+        return items
 
     def _move(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         _refuse_rest(clause, "degrees", "number")
@@ -217,27 +221,27 @@ class Reader(Referents):
         target = self.rooms_of(clause, "to")
         if clause.verb == "put" and not target:
             source, target = [], source
-        own = self.subjects(clause, source)
-        here = own[0].room_id
+        items = self.subjects(clause, source)
+        here = items[0].room_id
         to_room = target[0] if target and target[0] != here else ""
-        anchors = self.anchors(clause, to_room or here, [one.id for one in own])
+        anchors = self.anchors(clause, to_room or here, [item.id for item in items])
         if not (to_room or anchors or clause.way):
             raise not_understood(clause.words, "whereto?", "a room, a way or 'next to' something")
         if clause.distance_m is not None and not (
             clause.way or clause.relation in ("nearer to", "away from")
         ):
             raise not_understood(clause.words, "which way?", "north, east, south, west, or towards")
-        anchors = tuple(self.wall_named(one, own[0]) for one in anchors)
-        told = f"move {own[0].category.replace('_', ' ')} in {self.name(here)}"
-        told += f" {clause.distance_m:g} m" if clause.distance_m is not None else ""
-        told += f" {clause.way}" if clause.way else ""
-        told += f" to {self.name(to_room)}" if to_room else ""
+        anchors = tuple(self.wall_named(anchor, items[0]) for anchor in anchors)
+        wording = f"move {items[0].category.replace('_', ' ')} in {self.name(here)}"
+        wording += f" {clause.distance_m:g} m" if clause.distance_m is not None else ""
+        wording += f" {clause.way}" if clause.way else ""
+        wording += f" to {self.name(to_room)}" if to_room else ""
         intent = Intent(
-            "move", here, told + self._where(clause), relation=cast(Relation, clause.relation),
+            "move", here, wording + self._where(clause), relation=cast(Relation, clause.relation),
             anchors=anchors, way=cast(Way, clause.way), distance_m=clause.distance_m,
             to_room=to_room,
         )  # fmt: skip
-        return [replace(intent, items=(one.id,)) for one in own]
+        return [replace(intent, items=(item.id,)) for item in items]
 
     def _turn(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         if clause.degrees is None and clause.way in _QUARTERS:
@@ -245,16 +249,16 @@ class Reader(Referents):
         if clause.degrees is None:
             return self._face(clause, following)
         _refuse_rest(clause, "distance_m", "way", "number", "anchors")
-        own = self.subjects(clause, self.rooms_of(clause, "in", "from", "", "of"))
+        items = self.subjects(clause, self.rooms_of(clause, "in", "from", "", "of"))
         turn_deg = clause.degrees * (clause.sense or 1)
         sense = "clockwise" if turn_deg < 0 else "counter-clockwise"
         return [
             Intent(
-                "turn", one.room_id, f"turn {one.category.replace('_', ' ')} in "
-                f"{self.name(one.room_id)} by {abs(turn_deg):g}° {sense}", (one.id,),
+                "turn", item.room_id, f"turn {item.category.replace('_', ' ')} in "
+                f"{self.name(item.room_id)} by {abs(turn_deg):g}° {sense}", (item.id,),
                 turn_deg=turn_deg,
             )
-            for one in own
+            for item in items
         ]  # fmt: skip
 
     def _flip(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
@@ -264,18 +268,18 @@ class Reader(Referents):
 
     def _face(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         _refuse_rest(clause, "distance_m", "number", "degrees")
-        own = self.subjects(clause, self.rooms_of(clause, "in", "from", "", "of"))
-        here = own[0].room_id
-        anchors = self.anchors(clause, here, [one.id for one in own])
+        items = self.subjects(clause, self.rooms_of(clause, "in", "from", "", "of"))
+        here = items[0].room_id
+        anchors = self.anchors(clause, here, [item.id for item in items])
         if bool(anchors) == bool(clause.way):
             raise not_understood(clause.words, "whereto shall it look?", "a piece, window or door")
         names = clause.way or " and ".join(
-            one if isinstance(one, str) else one.thing.word for one in clause.anchors
+            anchor if isinstance(anchor, str) else anchor.thing.word for anchor in clause.anchors
         )
-        told = f"turn {own[0].category.replace('_', ' ')} in {self.name(here)} to the {names}"
+        wording = f"turn {items[0].category.replace('_', ' ')} in {self.name(here)} to the {names}"
         return [
-            Intent("face", here, told, (one.id,), anchors=anchors, way=cast(Way, clause.way))
-            for one in own
+            Intent("face", here, wording, (item.id,), anchors=anchors, way=cast(Way, clause.way))
+            for item in items
         ]
 
     def _swap(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
@@ -288,12 +292,12 @@ class Reader(Referents):
             return self._replace(clause, following)
         _refuse_rest(clause, "distance_m", "number", "degrees", "way", "anchors")
         rooms = self.rooms_of(clause, "in", "from", "", "of")
-        own = self.subjects(clause, rooms)
-        if len(own) != 2 or own[0].room_id != own[1].room_id:
+        items = self.subjects(clause, rooms)
+        if len(items) != 2 or items[0].room_id != items[1].room_id:
             raise not_understood(clause.words, "two pieces of one room change places")
-        names = " and ".join(one.category.replace("_", " ") for one in own)
-        told = f"swap {names} in {self.name(own[0].room_id)}"
-        return [Intent("swap", own[0].room_id, told, tuple(one.id for one in own))]
+        names = " and ".join(item.category.replace("_", " ") for item in items)
+        wording = f"swap {names} in {self.name(items[0].room_id)}"
+        return [Intent("swap", items[0].room_id, wording, tuple(item.id for item in items))]
 
     def _replace(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         _refuse_rest(clause, "distance_m", "number", "degrees", "way", "anchors")
@@ -321,27 +325,30 @@ class Reader(Referents):
                 return self._painted(old, coat)
             new = NewPiece(old[0].category, coat=coat, style=clause.style, form=noun.form,
                            is_other=True)  # fmt: skip
-            told = f"{named}{clause.style or 'other'} {old[0].category.replace('_', ' ')}"
-            return [Intent("replace", room, told, (old[0].id,), new)]
-        own = self.categories(noun, room)[0]
-        new = NewPiece(own, noun.thing.length_m, noun.size, coat, clause.style, noun.form)  # type: ignore[arg-type]
-        told = f"{named}{_coated(coat)}{noun.thing.word}"
-        return [Intent("replace", room, told, (old[0].id,), new)]
+            wording = f"{named}{clause.style or 'other'} {old[0].category.replace('_', ' ')}"
+            return [Intent("replace", room, wording, (old[0].id,), new)]
+        chosen = self.categories(noun, room)[0]
+        new = NewPiece(chosen, noun.thing.length_m, noun.size, coat, clause.style, noun.form)  # type: ignore[arg-type]
+        wording = f"{named}{_coated(coat)}{noun.thing.word}"
+        return [Intent("replace", room, wording, (old[0].id,), new)]
 
     def _change(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
-        if any(one.is_other or one.is_definite for one in clause.nouns) or len(clause.nouns) == 2:
+        if (
+            any(noun.is_other or noun.is_definite for noun in clause.nouns)
+            or len(clause.nouns) == 2
+        ):
             return self._replace(clause, following)
         raise not_understood(clause.words, "into what?", "a colour, a size, a style or a piece")
 
     def _resize(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         """Pieces in another size, in the place of those that are there."""
         _refuse_rest(clause, "degrees", "way", "number", "anchors", "distance_m")
-        own = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
+        items = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
         scale = clause.scale or (-1 if clause.verb == "smaller" else 1)
-        return [self._resized(clause, one, scale) for one in own]
+        return [self._resized(clause, item, scale) for item in items]
 
-    def _resized(self, clause: Clause, one: Item, scale: int, coat: Coat | None = None) -> Intent:
-        was_m = one.box.size_m[0]
+    def _resized(self, clause: Clause, item: Item, scale: int, coat: Coat | None = None) -> Intent:
+        was_m = item.box.size_m[0]
         exact_m = clause.extent_m
         if exact_m is None and clause.percent is not None:
             exact_m = was_m * (1 + scale * clause.percent / 100)
@@ -351,10 +358,10 @@ class Reader(Referents):
             length_m, said = (was_m * 1.06, was_m * 1.5), "of a larger size"
         else:
             length_m, said = (was_m * 0.6, was_m * 0.94), "of a smaller size"
-        kind = one.category.replace("_", " ")
-        told = f"replace {kind} in {self.name(one.room_id)} by 1 × {_coated(coat)}{kind} {said}"
-        new = NewPiece(one.category, length_m, coat=coat)
-        return Intent("replace", one.room_id, told, (one.id,), new)
+        kind = item.category.replace("_", " ")
+        wording = f"replace {kind} in {self.name(item.room_id)} by 1 × {_coated(coat)}{kind} {said}"
+        new = NewPiece(item.category, length_m, coat=coat)
+        return Intent("replace", item.room_id, wording, (item.id,), new)
 
     def _paint(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         """A colour or a material for pieces, or for walls and floors."""
@@ -385,15 +392,15 @@ class Reader(Referents):
             raise not_understood(clause.words, "what is meant by 'it'?", _WEARERS)
         if len(clause.nouns) == 1 and not rooms:  # "the curtains" are those of all rooms, as walls
             clause.nouns[0].is_every |= self.is_group(clause.nouns[0])
-        own = self.subjects(clause, rooms)
+        items = self.subjects(clause, rooms)
         first = {noun.thing.categories[0] for noun in clause.nouns}  # curtains, and not their rails
-        return self._painted([one for one in own if one.category in first] or own, coat)
+        return self._painted([item for item in items if item.category in first] or items, coat)
 
-    def _painted(self, own: Sequence[Item], coat: Coat) -> list[Intent]:
+    def _painted(self, items: Sequence[Item], coat: Coat) -> list[Intent]:
         return [
-            Intent("paint", one.room_id, f"give {one.category.replace('_', ' ')} in "
-                   f"{self.name(one.room_id)} {coat.name}", (one.id,), coat=coat)
-            for one in own
+            Intent("paint", item.room_id, f"give {item.category.replace('_', ' ')} in "
+                   f"{self.name(item.room_id)} {coat.name}", (item.id,), coat=coat)
+            for item in items
         ]  # fmt: skip
 
     def _restyle(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
@@ -412,11 +419,11 @@ class Reader(Referents):
     def _lock(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         _refuse_rest(clause, "distance_m", "number", "degrees", "way", "anchors")
         action: Action = "unlock" if clause.verb == "unlock" else "lock"
-        own = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
+        items = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
         return [
-            Intent(action, one.room_id, f"{action} {one.category.replace('_', ' ')} in "
-                   f"{self.name(one.room_id)}", (one.id,))
-            for one in own
+            Intent(action, item.room_id, f"{action} {item.category.replace('_', ' ')} in "
+                   f"{self.name(item.room_id)}", (item.id,))
+            for item in items
         ]  # fmt: skip
 
 
@@ -445,7 +452,7 @@ def _refuse_rest(clause: Clause, *unused: str) -> None:
     for name in unused:
         value = getattr(clause, name)
         if value is not None and value not in ("", False, []):
-            told = {"distance_m": "a distance", "degrees": "a turn", "way": "a direction",
+            words = {"distance_m": "a distance", "degrees": "a turn", "way": "a direction",
                     "is_it": "'it'", "number": "a number", "anchors": "a place",
                     "nouns": "the style of a single piece"}[name]  # fmt: skip
-            raise not_understood(clause.words, f"{told} has no meaning there")
+            raise not_understood(clause.words, f"{words} has no meaning there")

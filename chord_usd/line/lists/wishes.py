@@ -91,7 +91,7 @@ class Asked:
         """Which of the pieces wanted are not among the items."""
         # Who ends first is served first: no other order serves more.
         waiting = sorted(self.wanted, key=lambda piece: piece.length_m[1])
-        for item in sorted(items, key=lambda one: one.box.size_m[0]):
+        for item in sorted(items, key=lambda candidate: candidate.box.size_m[0]):
             met = next((piece for piece in waiting if piece.is_met_by(item)), None)
             if met:
                 waiting.remove(met)
@@ -103,12 +103,12 @@ def read_pieces(wanted: str | None, excluded: str | None = None) -> Wishes:
 
     Raises ChordError, as all of this module, where a text cannot be understood.
     """
-    found = _read(wanted, "--with") if wanted is not None else Wishes()
+    wishes = _read(wanted, "--with") if wanted is not None else Wishes()
     if excluded is None:
-        return found
+        return wishes
     denied = _read(excluded, "--without")
     return Wishes(
-        found.wanted, (*found.excluded, *dict.fromkeys((*denied.wanted, *denied.excluded)))
+        wishes.wanted, (*wishes.excluded, *dict.fromkeys((*denied.wanted, *denied.excluded)))
     )
 
 
@@ -193,7 +193,7 @@ def _piece(words: list[str], where: str) -> tuple[int, Named]:
         raise _error(f"'{said}' stands on tables, and only furniture can be asked for", where)
     own = [word for word in words if not (word.isdigit() or word in _COUNTS)]
     near = get_close_matches("".join(own), WORDS, n=3, cutoff=0.7)
-    known = ", ".join(WORDS[one].word for one in near) or "furniture, such as bed, desk or sofa"
+    known = ", ".join(WORDS[word].word for word in near) or "furniture, such as bed, desk or sofa"
     raise _error(f"'{said}' is no piece that is known", where, known)
 
 
@@ -216,17 +216,17 @@ def rooms_meant(said: str, rooms: Mapping[str, Room], where: str = "--furniture"
         number = int(last) if last.isdigit() else _COUNTS[last]
     rest = [word for word in words if word not in _EVERY and word not in _ORDINALS]
     kind = " ".join(rest)
-    found = _of_kind(kind, every, rooms)
+    meant = _of_kind(kind, every, rooms)
     if any(word.isdigit() or word in _COUNTS for word in rest):
-        found = []
+        meant = []
     elif number is not None:
-        found = found[number - 1 : number] if number else []
-    elif found and not every and kind not in ("rooms", *(many for _, many in NAMES.values())):
-        found = [_largest(found)]
-    if not found:
+        meant = meant[number - 1 : number] if number else []
+    elif meant and not every and kind not in ("rooms", *(many for _, many in NAMES.values())):
+        meant = [_largest(meant)]
+    if not meant:
         there = ", ".join(rooms)
         raise _error(f"there is no room '{said}'", where, f"one of {there}")
-    return found
+    return meant
 
 
 def _words(name: str) -> str:
@@ -250,22 +250,25 @@ def furniture_asked(
     said: Iterable[tuple[str, Wishes]], rooms: Mapping[str, Room]
 ) -> dict[str, Asked]:
     """What rooms shall hold, by their ids. rooms: by the names of their prims."""
-    found: dict[str, Wishes] = {}
+    by_room: dict[str, Wishes] = {}
     by_id = {room.id: (name, room) for name, room in rooms.items()}
-    for name, own in said:
+    for name, wishes in said:
         for room in rooms_meant(name, rooms):
-            before = found.get(room.id, Wishes())
-            found[room.id] = Wishes(before.wanted + own.wanted, before.excluded + own.excluded)
-    return {room_id: asked_in(*by_id[room_id], own) for room_id, own in found.items()}
+            before = by_room.get(room.id, Wishes())
+            by_room[room.id] = Wishes(
+                before.wanted + wishes.wanted, before.excluded + wishes.excluded
+            )
+    return {room_id: asked_in(*by_id[room_id], wishes) for room_id, wishes in by_room.items()}
 
 
 def asked_in(name: str, room: Room, wishes: Wishes, kept: Iterable[Item] = ()) -> Asked:
     """What one room shall hold. name: of its prim; kept: pieces that stay in it."""
     here = HERE.get(room.kind, {})
     wanted = tuple(
-        Piece(here.get(one.word, one.category), one.length_m, one.word) for one in wishes.wanted
+        Piece(here.get(piece.word, piece.category), piece.length_m, piece.word)
+        for piece in wishes.wanted
     )
-    excluded = {here.get(one.word, one.category): one.word for one in wishes.excluded}
+    excluded = {here.get(piece.word, piece.category): piece.word for piece in wishes.excluded}
     for piece in wanted:
         if piece.category in excluded:
             said = dict.fromkeys((piece.word, excluded[piece.category]))
@@ -278,8 +281,11 @@ def asked_in(name: str, room: Room, wishes: Wishes, kept: Iterable[Item] = ()) -
     if len(wanted) > MOST_PIECES:
         raise _error(f"{len(wanted)} pieces are asked for", name, f"at most {MOST_PIECES}")
     # Panels hang over what they belong to.
-    panels = {f"{one}_background" for one in excluded} & {"bed_background", "sofa_background"}
-    barred = {*excluded, *panels} - {one.category for one in wanted}
+    panels = {f"{category}_background" for category in excluded} & {
+        "bed_background",
+        "sofa_background",
+    }
+    barred = {*excluded, *panels} - {piece.category for piece in wanted}
     return Asked(wanted, frozenset(barred), room=name)
 
 

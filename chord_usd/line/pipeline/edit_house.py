@@ -48,7 +48,7 @@ class Reading:
     def rooms(self) -> tuple[str, ...]:
         """Names of the prims of the rooms that it changes, in the house's order."""
         changed = {room for intent in self.understood.intents for room in intent.rooms}
-        return tuple(name for name, own in self.house.room_ids.items() if own in changed)
+        return tuple(name for name, room_id in self.house.room_ids.items() if room_id in changed)
 
 
 @dataclass(frozen=True)
@@ -81,24 +81,24 @@ def read_sentence(
 
     storeys = storey_names(source)
     meant = _storey_meant(storeys, storey)
-    found: dict[str, Reading] = {}
+    readings: dict[str, Reading] = {}
     refused: list[ChordError] = []
     for room_name in [meant] if meant is not None else storeys:
         try:
-            found[storeys[room_name]] = _read_on(source, sentence, edits, room_name)
+            readings[storeys[room_name]] = _read_on(source, sentence, edits, room_name)
         except ChordError as error:
             refused.append(error)
     vague = [error for error in refused if error.expected == ROOM_TOO]
-    if vague or not found:
+    if vague or not readings:
         raise _with_nearest((vague or refused)[0])
-    first = next(iter(found.values()))
-    if len(found) > 1 and not first.understood.answer:
+    first = next(iter(readings.values()))
+    if len(readings) > 1 and not first.understood.answer:
         raise ChordError(
-            f"the sentence means something on several storeys: {', '.join(found)}",
-            where=str(source), expected="one storey", try_=f'--storey "{next(iter(found))}"',
+            f"the sentence means something on several storeys: {', '.join(readings)}",
+            where=str(source), expected="one storey", try_=f'--storey "{next(iter(readings))}"',
         )  # fmt: skip
     if first.understood.answer:
-        answers = dict.fromkeys(one.understood.answer for one in found.values())
+        answers = dict.fromkeys(reading.understood.answer for reading in readings.values())
         return replace(first, understood=replace(first.understood, answer="; ".join(answers)))
     return first
 
@@ -286,36 +286,38 @@ def _restyle(
     from chord_usd.line.pipeline import dress_rooms, lay_tables
     from chord_usd.line.pipeline.loading import load_table_model
 
-    own = [item for item in work.graph.items_of(room_id) if item.id not in work.locked]
-    ids = {item.id for item in own}
+    pieces = [item for item in work.graph.items_of(room_id) if item.id not in work.locked]
+    ids = {item.id for item in pieces}
     bare = tuple(
         replace(item, asset=None, children=()) if item.id in ids else _wearing(item, house)
         for item in work.graph.items
     )
     graph = replace(work.graph, items=bare, style=database.style)
-    had_things = any(item.children for item in own)
+    had_things = any(item.children for item in pieces)
     graph = match_assets(graph, database, but=[i.id for i in (*bare, *graph.dressing)
                                                if i.id not in ids])  # fmt: skip
-    names = {own_id: own for own, own_id in house.room_ids.items()}
+    names = {own_id: name for name, own_id in house.room_ids.items()}
     seeded = replace(settings, seed=house.seeds[names[room_id]])
     table = load_table_model(settings) if had_things else None
     if table:
         but = [item.id for item in graph.items if item.id not in ids]
         graph = lay_tables(graph, table, database, seeded, None, (room_id,), but).graph
-    old = {one.id for one in graph.dressing if one.room_id == room_id}
+    old = {item.id for item in graph.dressing if item.room_id == room_id}
     if old:
         kept = work.locked & old
-        stays = tuple(one for one in graph.dressing if one.id not in old - kept)
+        stays = tuple(item for item in graph.dressing if item.id not in old - kept)
         graph = dress_rooms(replace(graph, dressing=stays), database, seeded, (room_id,), kept)
     work.graph = replace(graph, style=house.graph.style)
-    work.new |= ids | {one.id for one in graph.dressing_of(room_id)} - work.locked
+    work.new |= ids | {item.id for item in graph.dressing_of(room_id)} - work.locked
 
 
 def _done(before: SceneGraph, work: Work) -> Done:
-    old = {one.id for one in (*before.items, *before.dressing)}
-    now = {one.id for one in (*work.graph.items, *work.graph.dressing)}
-    restyled = {one.id for one in (*before.items, *before.dressing) if one.room_id in work.styles}
-    moved = [one for one in work.moved if one in now and one not in restyled]
+    old = {item.id for item in (*before.items, *before.dressing)}
+    now = {item.id for item in (*work.graph.items, *work.graph.dressing)}
+    restyled = {
+        item.id for item in (*before.items, *before.dressing) if item.room_id in work.styles
+    }
+    moved = [item_id for item_id in work.moved if item_id in now and item_id not in restyled]
     return Done(tuple(sorted(now - old)), tuple(sorted(old - now)), tuple(moved))
 
 
@@ -334,19 +336,19 @@ def _write(
     from chord_usd.line.stage.check.check_stage import check_stage
     from chord_usd.line.stage.edit.edit_rooms import edit_rooms
 
-    found: list[Report] = []
+    reports: list[Report] = []
 
     def accept(staged: Path) -> None:
         with watch.step("check"):
-            found.append(check_stage(staged, trusted=True))
+            reports.append(check_stage(staged, trusted=True))
             if not force:
-                _refuse_worse(reading.source, edits, found[0], planned)
+                _refuse_worse(reading.source, edits, reports[0], planned)
         if dry_run:
             raise _TriedError("a dry run")
 
     with watch.step("stage"), suppress(_TriedError):
         edit_rooms(reading.source, target, change, Deed("edit", reading.sentence), accept)
-    return found[0]
+    return reports[0]
 
 
 def _worse_planned(house: StagedHouse, after: SceneGraph) -> list[str]:
@@ -357,7 +359,9 @@ def _worse_planned(house: StagedHouse, after: SceneGraph) -> list[str]:
 
     names = {room_id: name for name, room_id in house.room_ids.items()}
     worse = worse_planned(design_of([house.graph]), design_of([after]))
-    lost = [f"{names.get(place, place)} is worse planned: {told}" for place, told in worse.items()]
+    lost = [
+        f"{names.get(place, place)} is worse planned: {rules}" for place, rules in worse.items()
+    ]
     for standard in standards_in(house.standard):
         known = {(clause.name, place) for clause, place, _ in
                  keeping(standard, [house.graph]).findings}  # fmt: skip
@@ -397,10 +401,10 @@ def _change(reading: Reading, work: Work, style: HomeStyle, settings: Settings) 
     house = reading.house
     pieces = list(_piece_changes(reading, work))
     rooms: dict[str, Any] = {}
-    shells = {name: house.graph.plan.room(own) for name, own in house.room_ids.items()}
+    shells = {name: house.graph.plan.room(room_id) for name, room_id in house.room_ids.items()}
     name_of = {room.id: name for name, room in shells.items()}
     now = (*work.graph.items, *work.graph.dressing)
-    placed = {one.room_id for one in now if one.id in work.new}
+    placed = {item.room_id for item in now if item.id in work.new}
     others = {room for intent in reading.understood.intents if intent.action != "paint"
               for room in intent.rooms}  # fmt: skip
     for name in reading.rooms:
@@ -429,22 +433,22 @@ def _piece_changes(reading: Reading, work: Work) -> Iterator[PieceChange]:
     house, written = reading.house, reading.written
     path_of = {item_id: path for path, item_id in written.item_ids.items()}
     name_of = {room_id: name for name, room_id in house.room_ids.items()}
-    seen = {one.id: one for one in (*house.graph.items, *house.graph.dressing)}
-    now = {one.id: one for one in (*work.graph.items, *work.graph.dressing)}
-    for one in (*written.graph.items, *written.graph.dressing):
-        new = None if one.id in work.new else now.get(one.id)
-        if new == seen.get(one.id) and name_of[one.room_id] not in reading.rooms:
+    seen = {item.id: item for item in (*house.graph.items, *house.graph.dressing)}
+    now = {item.id: item for item in (*work.graph.items, *work.graph.dressing)}
+    for item in (*written.graph.items, *written.graph.dressing):
+        new = None if item.id in work.new else now.get(item.id)
+        if new == seen.get(item.id) and name_of[item.room_id] not in reading.rooms:
             continue  # the layer of edits may have moved it, not the sentence
-        locked = work.locks.get(one.id)
+        locked = work.locks.get(item.id)
         if new is None:
-            yield PieceChange(path_of[one.id], one.box, None)
-        elif house.assets.get(one.id) != written.assets.get(one.id):
-            if new != seen[one.id]:
+            yield PieceChange(path_of[item.id], item.box, None)
+        elif house.assets.get(item.id) != written.assets.get(item.id):
+            if new != seen[item.id]:
                 raise ChordError(
-                    f"{path_of[one.id]} wears another model in the layer of edits",
+                    f"{path_of[item.id]} wears another model in the layer of edits",
                     expected="a sentence about other pieces",
                     try_="remove it, and ask for a new one",
                 )  # fmt: skip
-        elif new.box != one.box or new.room_id != one.room_id or locked is not None:
-            other = name_of[new.room_id] if new.room_id != one.room_id else ""
-            yield PieceChange(path_of[one.id], one.box, new.box, other, locked)
+        elif new.box != item.box or new.room_id != item.room_id or locked is not None:
+            other = name_of[new.room_id] if new.room_id != item.room_id else ""
+            yield PieceChange(path_of[item.id], item.box, new.box, other, locked)

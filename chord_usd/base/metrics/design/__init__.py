@@ -61,9 +61,9 @@ def judged_room(view: View) -> Iterator[Judged]:
     """A room by the rules of its kind, of a bed and a kitchen in it, and of its dining table."""
     shell = view.shell
     rules = ROOM_RULES.get(shell.kind, ())
-    own = judge((*rules, *EVERY_ROOM), view, shell.room.id, shell.kind, shell.area_m2)
-    if rules or own.asked:
-        yield own
+    judged = judge((*rules, *EVERY_ROOM), view, shell.room.id, shell.kind, shell.area_m2)
+    if rules or judged.asked:
+        yield judged
     if shell.kind != "bedroom" and view.of("bed"):
         yield judge(bedroom_rules.RULES, view, shell.room.id, "bedroom", shell.area_m2)
     if shell.kind != "kitchen" and view.of("sink_cabinet") and view.of("cooker_cabinet"):

@@ -36,7 +36,7 @@ class _Reach:
     @property
     def apart(self) -> list[int]:
         """Numbers of the goals that are not at the main part."""
-        return [at for at, own in enumerate(self.met) if self.main not in own]
+        return [at for at, parts in enumerate(self.met) if self.main not in parts]
 
 
 class Floor:
@@ -74,7 +74,7 @@ class Floor:
             near = ahead <= width / 2 + _NEAR
             there = np.bincount(parts[rows[near], columns[near]])
             met.append({*np.flatnonzero(there).tolist()} - {0})
-        most = Counter(part for own in met for part in own).most_common(1)
+        most = Counter(part for parts in met for part in parts).most_common(1)
         return _Reach(parts, most[0][0] if most else 0, met)
 
 

@@ -22,22 +22,22 @@ HEADS: Mapping[str, tuple[frozenset[str], float]] = {
 
 def strays(view: View) -> list[int]:
     """Pieces without what they belong to. Kitchens store what is eaten from."""
-    found = []
+    alone = []
     for at, name in enumerate(view.categories):
         if name not in HEADS or (name == "dining_cabinet" and view.shell.kind == "kitchen"):
             continue
         heads, most_m = HEADS[name]
         there = view.of(*heads)
         if not there or view.gaps(at)[there].min() > most_m:
-            found.append(at)
-    return found
+            alone.append(at)
+    return alone
 
 
 def _strays(view: View) -> Iterator[Measured]:
     if view.of(*HEADS):
         alone = strays(view)
         at = view.point(alone[0]) if alone else view.middle
-        yield Measured(len(alone), at, tuple(view.items[one].id for one in alone))
+        yield Measured(len(alone), at, tuple(view.items[piece].id for piece in alone))
 
 
 RULES: tuple[Rule[View], ...] = (

@@ -60,9 +60,9 @@ def _diners(home: HomeView) -> Iterator[Measured]:
 
 def _unseated(home: HomeView) -> Iterator[Measured]:
     """The same as a share of those who eat there."""
-    for one in _diners(home):
+    for diners in _diners(home):
         wanted = min(max(1, home.sleepers), MOST_DINERS)
-        yield Measured(one.have / wanted, one.at)
+        yield Measured(diners.have / wanted, diners.at)
 
 
 def _seats(room: View) -> int:

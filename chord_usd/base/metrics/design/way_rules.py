@@ -54,7 +54,7 @@ def _measured(view: View) -> Measured | None:
     away = distances(at[None], view.edges.reshape(-1, 2, 2)).reshape(-1, 4).min(axis=1)
     near = np.flatnonzero((away < width_m / 2 + _BESIDE_M) & view.stands).tolist()
     return Measured(
-        width_m, (float(at[0]), float(at[1])), tuple(view.items[one].id for one in near)
+        width_m, (float(at[0]), float(at[1])), tuple(view.items[piece].id for piece in near)
     )
 
 
@@ -91,9 +91,9 @@ def _at_least(need_m: float) -> Callable[[View], Iterator[Measured]]:
 
     def measure(view: View) -> Iterator[Measured]:
         if view.shell.ground.way_m >= need_m - CELL_M / 2:
-            found = view.once(_measured)
-            if found is not None:
-                yield found
+            measured = view.once(_measured)
+            if measured is not None:
+                yield measured
 
     return measure
 
