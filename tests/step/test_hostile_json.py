@@ -459,7 +459,7 @@ def test_a_palace_in_a_cupboard_is_refused() -> None:
 def test_any_text_is_heard_or_refused_in_time(text: str) -> None:
     start = time.process_time()
     try:
-        told = read_wish(text).told
+        told = read_wish(text).summary
     except ChordError as error:
         told = str(error)
     assert told

@@ -280,7 +280,7 @@ def test_a_stage_without_physics_is_seen_and_stands_still(tmp_path: Path) -> Non
 def test_an_empty_stage_is_refused(tmp_path: Path) -> None:
     stage = new_stage()
     stage.GetRootLayer().Export(str(tmp_path / "stage.usda"))
-    with pytest.raises(StageError, match="nothing"):
+    with pytest.raises(StageError, match="no visible mesh"):
         exported(tmp_path / "stage.usda", tmp_path)
     assert not (tmp_path / "model").exists()
 
