@@ -157,13 +157,13 @@ class HouseTools:
         house: House,
         room: Annotated[str, Field(description="as look names it, such as Bedroom_0")],
         ctx: Context,
-        wanted: Annotated[str, Field(description='what it shall hold: "desk, two chairs"')] = "",
-        unwanted: Annotated[str, Field(description="what it shall not: sofa, bed")] = "",
+        wanted: Annotated[str, Field(description='pieces it must hold: "desk, two chairs"')] = "",
+        unwanted: Annotated[str, Field(description="pieces it must not hold: sofa, bed")] = "",
         keep: Annotated[list[str], Field(description="pieces that stay, such as Bed_0")] = [],  # noqa: B006
         output: Annotated[str, Field(description="a new house; else this one is changed")] = "",
         **options: Any,
     ) -> Content:
-        """Furnish one room anew and leave the rest of the house as it is; undo takes it back."""
+        """Furnish one room again and leave the rest of the house as it is; undo takes it back."""
         with _told_as_tools_do():
             path = self._files.there(house)
             target = self._files.new(output) if output else path

@@ -259,10 +259,10 @@ def run_split(options: argparse.Namespace) -> Outcome:
         parts[part_of(name)].append(name)
     data = {"hash": split_hash(names), **parts}
     write_atomic(options.output, json.dumps(data, indent=1) + "\n")
-    told = ", ".join(f"{len(part)} {name}" for name, part in parts.items())
+    sizes = ", ".join(f"{len(part)} {name}" for name, part in parts.items())
     counts = {name: len(part) for name, part in parts.items()}
     return Outcome(
-        f"{options.output}: {told}, hash {data['hash']}",
+        f"{options.output}: {sizes}, hash {data['hash']}",
         {"split": str(options.output), "hash": data["hash"], **counts},
     )
 

@@ -71,5 +71,5 @@ def _given(houses: Path) -> tuple[list[KeptHouse], list[str]]:
     if houses.is_file():
         return read_kept(houses), []
     cases = folder_cases(houses, "all")
-    found = [KeptHouse(case.id, case.furnished) for case in cases.cases if case.furnished]
-    return found, list(cases.warnings)
+    kept = [KeptHouse(case.id, case.furnished) for case in cases.cases if case.furnished]
+    return kept, list(cases.warnings)

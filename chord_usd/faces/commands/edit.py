@@ -31,7 +31,7 @@ def add(verbs: Verbs) -> None:
     parser.add_argument("stage", type=Path, metavar="STAGE", help="house.usda or house.usdz")
     sentence = parser.add_argument(
         "sentence", metavar="SENTENCE", default="",
-        help='what shall be changed: "put a plant in bedroom 1, no rug in the hall"',
+        help='the change in English: "put a plant in bedroom 1, no rug in the hall"',
     )  # fmt: skip
     sentence.required = False  # with --state; nargs="?" would end it before later options
     parser.add_argument(
@@ -119,13 +119,13 @@ def _set_states(source: Path, target: Path, options: argparse.Namespace) -> Outc
         "stage": str(target), "understood": [], "answer": "", "read_as": [], "rooms": [],
         "added": [],
         "removed": [], "moved": [], "taken_over": [],
-        "states": [{"subject": one.subject, "state": one.state, "paths": list(one.paths)}
-                   for one in stated],
+        "states": [{"subject": state.subject, "state": state.state, "paths": list(state.paths)}
+                   for state in stated],
         "written": not options.dry_run, "seconds": watch.seconds, "certificate": check,
     }  # fmt: skip
-    told = [f"{one.subject}: {one.state} ({len(one.paths)})" for one in stated]
+    states = [f"{state.subject}: {state.state} ({len(state.paths)})" for state in stated]
     written = "a dry run, nothing is written" if options.dry_run else "done"
-    return Outcome(reported(check, *told, f"{target}: {written}"), data, holds(check))
+    return Outcome(reported(check, *states, f"{target}: {written}"), data, holds(check))
 
 
 def _told(reading: Reading) -> list[str]:
@@ -138,13 +138,13 @@ def _data(reading: Reading) -> dict[str, Any]:
     return {
         "understood": [
             {
-                "action": one.action, "rooms": list(one.rooms), "pieces": list(one.items),
-                "new": one.new.category if one.new and one.action != "remove" else "",
-                "count": one.count, "relation": one.relation, "to": list(one.anchors),
-                "style": one.style, "coat": one.coat.name if one.coat else "",
-                "surface": one.surface, "told": one.wording,
+                "action": intent.action, "rooms": list(intent.rooms), "pieces": list(intent.items),
+                "new": intent.new.category if intent.new and intent.action != "remove" else "",
+                "count": intent.count, "relation": intent.relation, "to": list(intent.anchors),
+                "style": intent.style, "coat": intent.coat.name if intent.coat else "",
+                "surface": intent.surface, "told": intent.wording,
             }
-            for one in intents
+            for intent in intents
         ],
         "answer": reading.understood.answer,
         "read_as": list(reading.understood.read_as),

@@ -100,10 +100,11 @@ def run(options: argparse.Namespace) -> Outcome:
         from chord_usd.workshop.evaluation import painters
 
         with watch.step("painters") as progress:
-            found = painters.score_painters(items, options.painters, progress)
-        table += ("\n" if table else "") + painters.as_markdown(found)
+            by_read = painters.score_painters(items, options.painters, progress)
+        table += ("\n" if table else "") + painters.as_markdown(by_read)
         data["painters"] = {
-            name: {read: asdict(score) for read, score in by.items()} for name, by in found.items()
+            name: {read: asdict(score) for read, score in by.items()}
+            for name, by in by_read.items()
         }
     if options.output:
         write_atomic(options.output, table)

@@ -378,8 +378,8 @@ class _Page:
     def _shown(self, house: str) -> Record:
         record = self._houses.get(house)
         storeys = [
-            {"id": one, "name": self._houses.get(one)["name"]}
-            for one in self._houses.storeys(house)
+            {"id": storey, "name": self._houses.get(storey)["name"]}
+            for storey in self._houses.storeys(house)
         ]
         jobs = [self._told(job) for job in self._jobs.of(house)[-20:]]
         return {**record, "storeys": storeys, "jobs": jobs, "past": self._houses.past(record)}

@@ -119,15 +119,15 @@ class HouseJobs:
         plan = int(self._houses.get(job.house)["plan"])
         storeys = [(job.house, plan), *self._houses.plans_above(job.house)]
         with self._version(job) as (number, folder):
-            plans = [self._houses.word(self._houses.plan_path(*one)) for one in storeys]
+            plans = [self._houses.word(self._houses.plan_path(*storey)) for storey in storeys]
             words = ["generate", *plans, "--no-check"]
             words += [f"--output={self._houses.word(folder / 'house' / STAGE)}"]
             words += words_of({row.name: given.get(row.name) for row in offered_by("page")})
             answer = await self._call(job, [*words, self._view_word(folder)])
             rooms = _rooms_in(folder / VIEW)
             label = f"seed {given.get('seed') or 0}, {answer.data.get('style') or 'house'}"
-            told = _told(answer.data) | _levels(storeys, answer.data)
-            self._keep(job, number, label, plan, 0, rooms, told)
+            summary = _told(answer.data) | _levels(storeys, answer.data)
+            self._keep(job, number, label, plan, 0, rooms, summary)
         self.submit(job.house, "check", {"version": number})
         return {"version": number, **answer.data}
 
@@ -226,11 +226,18 @@ class HouseJobs:
             self.submit(house, "view", {"version": number})
 
     def _keep(
-        self, job: Job, number: int, label: str, plan: object, of: int, rooms: object, told: Record
+        self,
+        job: Job,
+        number: int,
+        label: str,
+        plan: object,
+        of: int,
+        rooms: object,
+        summary: Record,
     ) -> None:
         """List a version with its house. of: the version that it was made from, 0 for none."""
         version = {"number": number, "label": label, "plan": plan, "of": of, "rooms": rooms}
-        self._houses.add_version(job.house, {**version, **told})
+        self._houses.add_version(job.house, {**version, **summary})
 
     def _view_word(self, folder: Path) -> str:
         return f"--view={self._houses.word(folder / VIEW)}"
@@ -300,7 +307,7 @@ class HouseJobs:
         return {"pictures": names}
 
     async def _pack(self, job: Job) -> dict[str, Any]:
-        """A file to take away. Made anew each time: the house may have been changed since."""
+        """A file to take away. Made again each time: the house may have been changed since."""
         kind = job.given["for"]
         folder = self._houses.version_folder(job.house, job.given.get("version"))
         stage = self._houses.stage(job.house, job.given["version"])
@@ -382,13 +389,13 @@ def _told(data: dict[str, Any]) -> Record:
 
 def _levels(storeys: Sequence[tuple[str, int]], data: dict[str, Any]) -> Record:
     """The storeys of a house of several: whose plan each is, and where it lies."""
-    told = data.get("storeys", ())
-    if len(storeys) < 2 or len(told) != len(storeys):
+    levels = data.get("storeys", ())
+    if len(storeys) < 2 or len(levels) != len(storeys):
         return {}
     kept = ("name", "elevation_m", "shift_m")
     rows = [
-        {"house": house, "plan": plan, **{key: one[key] for key in kept}}
-        for (house, plan), one in zip(storeys, told, strict=True)
+        {"house": house, "plan": plan, **{key: level[key] for key in kept}}
+        for (house, plan), level in zip(storeys, levels, strict=True)
     ]
     return {"storeys": rows}
 

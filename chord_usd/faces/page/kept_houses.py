@@ -115,26 +115,26 @@ class KeptHouses:
         """All storeys of a house, the lowest first; itself where it has one."""
         ground = self.ground_of(house)
         above = self.get(ground).get("above", ())
-        return [ground, *(one for one in above if self.folder_of(one).is_dir())]
+        return [ground, *(storey for storey in above if self.folder_of(storey).is_dir())]
 
     def plans_above(self, house: str) -> list[tuple[str, int]]:
         """The current plans of the storeys above a house. Raises ChordError where none is."""
-        found = []
-        for one in self.storeys(house)[1:]:
-            record = self.get(one)
+        files = []
+        for storey in self.storeys(house)[1:]:
+            record = self.get(storey)
             if not record["plan"]:
                 raise ChordError(
                     f"the plan of the storey {record['name']!r} could not be read",
                     try_="delete that storey, or another file",
                 )
-            found.append((one, int(record["plan"])))
-        return found
+            files.append((storey, int(record["plan"])))
+        return files
 
     def delete(self, house: str) -> None:
         """Remove a house and all that was made of it, the storeys above it too."""
         if self.ground_of(house) == house:
-            for one in self.storeys(house)[1:]:
-                self.delete(one)
+            for storey in self.storeys(house)[1:]:
+                self.delete(storey)
         folder = self.folder(house)
         (folder / _FILE).unlink(missing_ok=True)  # first: it is gone even if the rest fails
         shutil.rmtree(folder, ignore_errors=True)
@@ -196,7 +196,7 @@ class KeptHouses:
         """Number and folder of a version that no job has written to."""
         folder = self.folder(house) / "versions"
         folder.mkdir(exist_ok=True)
-        taken = [int(one.name) for one in folder.iterdir() if one.name.isdecimal()]
+        taken = [int(entry.name) for entry in folder.iterdir() if entry.name.isdecimal()]
         number = max(taken, default=0) + 1
         (folder / f"{number:04d}").mkdir()
         return number, folder / f"{number:04d}"
@@ -257,8 +257,8 @@ class KeptHouses:
             "redo": undone.summary if undone else None,
             "number": history.number,
             "error": error,
-            "changes": [{"number": one.number, "made": one.made, "told": one.summary}
-                        for one in history.changes],
+            "changes": [{"number": change.number, "made": change.made, "told": change.summary}
+                        for change in history.changes],
         }  # fmt: skip
 
     def _all(self) -> Iterator[Record]:
@@ -274,8 +274,8 @@ class KeptHouses:
 
 
 def _state(folder: Path) -> list[list[object]]:
-    found = (folder / name for name in (STAGE, EDITS))
-    stats = [(one.name, one.stat()) for one in found if one.is_file()]
+    files = (folder / name for name in (STAGE, EDITS))
+    stats = [(file.name, file.stat()) for file in files if file.is_file()]
     return [[name, stat.st_size, stat.st_mtime_ns] for name, stat in stats]
 
 

@@ -112,7 +112,7 @@ def _changed(before: Edits, after: Edits) -> str:
 def carry_edits(folder: Path, *, room: str = "", touched: Iterable[str] = ()) -> None:
     """Leave a house that was changed those changes by hand that still mean something.
 
-    room: was furnished anew, and only locked pieces in it keep theirs. touched: pieces that the
+    room: was furnished again, and only locked pieces in it keep theirs. touched: pieces that the
     stage itself has as they were changed, or has no more.
     """
     edits = read_edits(folder)
@@ -121,8 +121,8 @@ def carry_edits(folder: Path, *, room: str = "", touched: Iterable[str] = ()) ->
     def stays(path: str) -> bool:
         if path in done:
             return False
-        found = _PIECE.fullmatch(path)
-        return not found or found[1] != room or _is_of(path, kept)
+        match = _PIECE.fullmatch(path)
+        return not match or match[1] != room or _is_of(path, kept)
 
     for kind in ("pieces", "looks"):
         edits[kind] = {path: what for path, what in edits[kind].items() if stays(path)}

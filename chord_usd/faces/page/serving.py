@@ -118,14 +118,16 @@ def shown_address(host: str) -> str:
     of the first that is not loopback, else that of loopback. Nothing is sent or looked up.
     """
     if ipaddress.ip_address(host).is_unspecified:
-        reachable = [one for one in _addresses() if not ipaddress.ip_address(one).is_loopback]
+        reachable = [
+            address for address in _addresses() if not ipaddress.ip_address(address).is_loopback
+        ]
         host = (reachable or ["127.0.0.1"])[0]
     return f"[{host}]" if ":" in host else host
 
 
 def _addresses() -> list[str]:
     """IPv4 addresses of the interfaces, in their order."""
-    found = []
+    addresses = []
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
         for _, name in socket.if_nameindex():
             request = struct.pack("256s", name.encode()[:15])
@@ -133,8 +135,8 @@ def _addresses() -> list[str]:
                 answer = fcntl.ioctl(asked.fileno(), _SIOCGIFADDR, request)
             except OSError:  # it has none
                 continue
-            found.append(socket.inet_ntoa(answer[20:24]))
-    return found
+            addresses.append(socket.inet_ntoa(answer[20:24]))
+    return addresses
 
 
 # HTTP with a limit of time for the head of a request, which uvicorn itself waits for -------------

@@ -1,1 +1,1 @@
-"""Lists before pixels: what shall be in a room is written down before a layout is painted."""
+"""Lists before pixels: the pieces of a room are written down before a layout is painted."""

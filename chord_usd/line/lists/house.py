@@ -121,7 +121,7 @@ class _Table:
         return room.kind == "living" and "bed" in self.programme.get(room.id, ())
 
     def _planned(self, at: int) -> Subject:
-        """With what the home needs in a room, unless somebody says what it shall hold."""
+        """With what the home needs in a room, unless somebody says what it must hold."""
         room, around = self.jobs[at]
         asked = self.wishes[at]
         if asked.wanted or any(not item.facts.locked for item in asked.kept):

@@ -50,7 +50,7 @@ class Subject:
     flags: Floats
     """(K,)"""
     wanted: tuple[int, ...] = ()
-    """Categories that it shall hold, as often as they are named."""
+    """Categories that it must hold, as often as they are named."""
     excluded: frozenset[int] = frozenset()
     kept: tuple[Element, ...] = ()
     """Elements that it holds already, besides what is wanted."""

@@ -55,7 +55,7 @@ def clauses_of(sentence: str, rooms: Mapping[str, Room], answer: Answer) -> Read
     that is empty, too long, holds words that have no meaning here, or orders nothing.
     """
     if not sentence.strip():
-        raise ChordError("is empty", where=WHERE, expected="what shall be changed, in English")
+        raise ChordError("is empty", where=WHERE, expected="a change, in English")
     if len(sentence) > MOST_CHARACTERS:
         raise ChordError(
             f"has {len(sentence)} characters", where=WHERE, expected=f"at most {MOST_CHARACTERS}"

@@ -212,7 +212,7 @@ class TopLister:
         """Things on each top, in its frame; a top's seed alone varies its own.
 
         Of tops with faults further drafts tell the same things at other places: short lists gain
-        nothing by it. Only what does not fit after KEPT drafts is told anew.
+        nothing by it. Only the things that do not fit after KEPT drafts are drawn again.
         """
         subjects = [Subject(segments_of(top), facts_of(top), flags_of(top)) for top in tops]
         rngs = [np.random.default_rng(seed) for seed in seeds]

@@ -96,7 +96,7 @@ class Reader(Referents):
         if wanted or (clause.nouns and not any(noun.is_definite for noun in clause.nouns)):
             self._refuse_total(clause)
             return "add"
-        raise not_understood(clause.words, "what shall be done with it?", "a verb, such as move")
+        raise not_understood(clause.words, "it names no action", "a verb, such as move")
 
     def _refuse_total(self, clause: Clause) -> None:
         """Raises ChordError for "two beds in bedroom 1", where one stands there already."""
@@ -111,7 +111,7 @@ class Reader(Referents):
     # Verbs ----------------------------------------------------------------------------------------
 
     def _stated(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
-        """Nothing: an order that follows says what shall be done with the pieces it is about."""
+        """Nothing: a later order names the action for these pieces."""
         if not any(noun.is_denied for noun in clause.nouns):
             items = self.subjects(clause, self.rooms_for(clause, following, "in", "from", "", "of"))
             self.last, self.room_said = tuple(item.id for item in items), items[0].room_id
@@ -272,7 +272,7 @@ class Reader(Referents):
         here = items[0].room_id
         anchors = self.anchors(clause, here, [item.id for item in items])
         if bool(anchors) == bool(clause.way):
-            raise not_understood(clause.words, "whereto shall it look?", "a piece, window or door")
+            raise not_understood(clause.words, "it names no direction", "a piece, window or door")
         names = clause.way or " and ".join(
             anchor if isinstance(anchor, str) else anchor.thing.word for anchor in clause.anchors
         )

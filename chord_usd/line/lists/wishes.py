@@ -39,7 +39,7 @@ _ON_TABLES = {word for row in TABLE_CATEGORIES for word in row.label.lower().spl
 
 
 class Piece(NamedTuple):
-    """A piece that a room shall hold."""
+    """A piece that a room must hold."""
 
     category: str
     length_m: tuple[float, float] = ANY_M
@@ -66,7 +66,7 @@ class Wishes(NamedTuple):
 
 @dataclass(frozen=True)
 class Asked:
-    """What a room shall hold."""
+    """Pieces that a room must and must not hold."""
 
     wanted: tuple[Piece, ...] = ()
     """At least so many of each; what is kept counts."""
@@ -99,7 +99,7 @@ class Asked:
 
 
 def read_pieces(wanted: str | None, excluded: str | None = None) -> Wishes:
-    """Wishes for one room. excluded: what shall not be there, without a "no" before it.
+    """Wishes for one room. excluded: pieces that must not be there, without a "no" before it.
 
     Raises ChordError, as all of this module, where a text cannot be understood.
     """
@@ -116,15 +116,15 @@ def read_furniture(text: str) -> tuple[tuple[str, Wishes], ...]:
     """Wishes by what rooms were called: "ROOM: PIECE, PIECE; ROOM: PIECE"."""
     where = "--furniture"
     _refuse_odd(text, where)
-    found = []
+    read = []
     for part in filter(str.strip, re.split(r"[;；\n]", text)):
         room, colon, pieces = re.sub("：", ":", part).partition(":")
         if not colon or not room.strip():
             raise _error(f"'{part.strip()}' names no room", where, "ROOM: PIECE, PIECE", EXAMPLE)
-        found.append((room.strip(), _read(pieces, f"{where} '{room.strip()}'")))
-    if not found:
+        read.append((room.strip(), _read(pieces, f"{where} '{room.strip()}'")))
+    if not read:
         raise _error("is empty", where, "ROOM: PIECE, PIECE", EXAMPLE)
-    return tuple(found)
+    return tuple(read)
 
 
 def _read(text: str, where: str) -> Wishes:
@@ -152,7 +152,7 @@ def _refuse_odd(text: str, where: str) -> None:
 
 
 def _pieces(part: str, where: str) -> Iterator[tuple[int, Named]]:
-    """Pieces between two commas, and how many of each; 0 for what shall not be there."""
+    """Pieces between two commas, and how many of each; 0 for pieces that must not be there."""
     plain = plain_text(part).strip(" .!")
     han = _HAN_PIECE.fullmatch(plain.replace(" ", ""))
     if han and han[3] in WORDS and not han[3].isascii():
@@ -191,8 +191,8 @@ def _piece(words: list[str], where: str) -> tuple[int, Named]:
     said = " ".join(words)
     if _ON_TABLES & {words[-1], words[-1].removesuffix("s")}:
         raise _error(f"'{said}' stands on tables, and only furniture can be asked for", where)
-    own = [word for word in words if not (word.isdigit() or word in _COUNTS)]
-    near = get_close_matches("".join(own), WORDS, n=3, cutoff=0.7)
+    nouns = [word for word in words if not (word.isdigit() or word in _COUNTS)]
+    near = get_close_matches("".join(nouns), WORDS, n=3, cutoff=0.7)
     known = ", ".join(WORDS[word].word for word in near) or "furniture, such as bed, desk or sofa"
     raise _error(f"'{said}' is no piece that is known", where, known)
 
@@ -249,7 +249,7 @@ def _largest(rooms: list[Room]) -> Room:
 def furniture_asked(
     said: Iterable[tuple[str, Wishes]], rooms: Mapping[str, Room]
 ) -> dict[str, Asked]:
-    """What rooms shall hold, by their ids. rooms: by the names of their prims."""
+    """Wishes of rooms, by their ids. rooms: by the names of their prims."""
     by_room: dict[str, Wishes] = {}
     by_id = {room.id: (name, room) for name, room in rooms.items()}
     for name, wishes in said:
@@ -262,7 +262,7 @@ def furniture_asked(
 
 
 def asked_in(name: str, room: Room, wishes: Wishes, kept: Iterable[Item] = ()) -> Asked:
-    """What one room shall hold. name: of its prim; kept: pieces that stay in it."""
+    """The wishes of one room. name: of its prim; kept: pieces that stay in it."""
     here = HERE.get(room.kind, {})
     wanted = tuple(
         Piece(here.get(piece.word, piece.category), piece.length_m, piece.word)

@@ -281,7 +281,7 @@ def _wearing(item: Item, house: StagedHouse) -> Item:
 def _restyle(
     work: Work, house: StagedHouse, room_id: str, database: AssetDatabase, settings: Settings
 ) -> None:
-    """Give a room furniture of another style where the old stands, and lay and dress it anew."""
+    """Give a room furniture of another style where the old stands, and lay and dress it again."""
     from chord_usd.line.graph.match import match_assets
     from chord_usd.line.pipeline import dress_rooms, lay_tables
     from chord_usd.line.pipeline.loading import load_table_model
@@ -445,7 +445,7 @@ def _piece_changes(reading: Reading, work: Work) -> Iterator[PieceChange]:
         elif house.assets.get(item.id) != written.assets.get(item.id):
             if new != seen[item.id]:
                 raise ChordError(
-                    f"{path_of[item.id]} wears another model in the layer of edits",
+                    f"{path_of[item.id]} has another model in the layer of edits",
                     expected="a sentence about other pieces",
                     try_="remove it, and ask for a new one",
                 )  # fmt: skip

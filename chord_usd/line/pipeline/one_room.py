@@ -1,4 +1,4 @@
-"""stage -> stage, one room of it furnished and dressed anew."""
+"""stage -> stage, one room of it furnished and dressed again."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Regenerated:
-    """A house of which one room is to be furnished anew."""
+    """A house of which one room is to be furnished again."""
 
     source: Path
     room_name: str
@@ -42,7 +42,7 @@ class Regenerated:
     before: LayoutImage
     """The house as it stands, drawn from its stage."""
     layout: LayoutImage
-    """The same with the room sampled anew; every pixel outside the room is that of before."""
+    """The same with the room sampled again; pixels outside the room stay."""
     graph: SceneGraph
     """The house with the room's new furniture and dressing."""
     kept: tuple[str, ...] = ()
@@ -78,13 +78,13 @@ def regenerate(
     edits: Path | None = None,
     wishes: Wishes | None = None,
 ) -> Regenerated:
-    """Furnish one room of a stage anew, by masked diffusion; write_regenerated writes it.
+    """Furnish one room of a stage again, by masked diffusion; write_regenerated writes it.
 
     room_name: as named_room takes it. seed: in place of that of settings; None takes the one
     after the room's last. keep: names of prims of the room's furniture and dressing that stay, as
     what is locked does, and with them what they rest on; the rest is sampled around them. edits: a
     layer over source in which things stand elsewhere; the house is seen with it. wishes: what the
-    room shall hold (lists.wishes.read_pieces). The stopwatch times read, load, layout, graph,
+    room must hold (lists.wishes.read_pieces). The stopwatch times read, load, layout, graph,
     outliers, tabletop and dress. A house without dressing stays without. Raises ChordError.
     """
     settings = settings or Settings()

@@ -154,7 +154,7 @@ def plan_from_outline(
 ) -> Planned:
     """Rooms for the open plan in a file: outer walls, and the windows and doors in them.
 
-    text: what the rooms shall be, "" to leave it open. Raises ChordError for an unusable one.
+    text: the wanted rooms, "" to leave them open. Raises ChordError for an unusable one.
     """
     from chord_usd.line.plan.read import read_plan_file
     from chord_usd.line.planning.outline import shell_of
@@ -273,7 +273,7 @@ def _sampled(
 
 
 def _sketched(site: Site, sketcher: Sketcher, seeds: range) -> list[Drawing]:
-    """For each seed: the open plan, or none, and what the rooms shall be in it."""
+    """For each seed: the open plan, or none, and the kinds of the rooms in it."""
     from chord_usd.line.planning import floor_sheet
 
     count = SKETCHES * len(seeds)

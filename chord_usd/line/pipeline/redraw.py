@@ -47,7 +47,7 @@ class Draw:
     lists: ListDrawer | None = None
     """Decides which pieces a room has before they are painted; None leaves it to the painter."""
     asked: Mapping[str, Asked] = field(default_factory=dict)
-    """What rooms shall hold, by room id."""
+    """Pieces that rooms must hold, by room id."""
     shut: frozenset[str] = frozenset()
     """Ids of rooms in which nothing stands: those of stairs."""
     composes: bool = False
@@ -166,7 +166,7 @@ class Draw:
         rooms: Sequence[Room] | None = None,
         kept: Collection[Item] = (),
     ) -> SceneGraph:
-        """A house that was read, without what its rooms shall not hold, kitchens as composed, and
+        """A house that was read, without excluded pieces, kitchens as composed, and
         pieces as listed that were painted there but for a few pixels.
 
         listed: what was painted; without, kitchens are composed from what was read. rooms: those
@@ -212,14 +212,14 @@ class Draw:
         )
 
     def lacking(self, graph: SceneGraph) -> dict[str, tuple[Piece, ...]]:
-        """The pieces that rooms lack of what they shall hold, by room id; of such rooms only."""
+        """The required pieces that rooms lack, by room id; of such rooms only."""
         lacks = {
             room_id: wish.missing(graph.items_of(room_id)) for room_id, wish in self.asked.items()
         }
         return {room_id: pieces for room_id, pieces in lacks.items() if pieces}
 
     def refuse_lacking(self, graph: SceneGraph) -> None:
-        """Raises ChordError for a piece that a room shall hold and does not."""
+        """Raises ChordError for a required piece that a room lacks."""
         for room_id, pieces in self.lacking(graph).items():
             counts = Counter(piece.word or piece.category for piece in pieces)
             words = ", ".join(f"{n} × {word}" if n > 1 else word for word, n in counts.items())

@@ -59,7 +59,7 @@ TOUCH_M2 = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Redrawn:
-    """Layout rasters of a house of which some rooms were sampled anew."""
+    """Layout rasters of a house of which some rooms were sampled again."""
 
     layout: LayoutImage
     """The house with the new furniture; every pixel outside the rooms is as its graph draws it."""
@@ -221,7 +221,7 @@ def mend_rooms(
     and faults (metrics.design.price) is kept.
 
     graph: as the sampler reads it in layout. times: samples of a room that has faults; one that
-    lacks what it shall hold is sampled WISH_DRAWS times at least. spared: ids of rooms that are
+    lacks a required piece is sampled WISH_DRAWS times at least. spared: ids of rooms that are
     sampled once, but for that. settle: what is done to a sample
     before its faults are looked at.
     """
@@ -336,7 +336,7 @@ def with_wishes(
     graph: SceneGraph, rooms: Sequence[Room], draw: Draw, kept_ids: Collection[str] = ()
 ) -> tuple[SceneGraph, frozenset[str]]:
     """The house with nothing in the rooms that are asked for anything but what is kept and, from
-    lists, what they shall hold, where that stands in nobody's way; and the ids of all that.
+    lists, their required pieces, where these block nothing; and the ids of all that.
 
     What the painter will not paint is given to it, as what is kept is.
     """

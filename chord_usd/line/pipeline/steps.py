@@ -240,7 +240,7 @@ def settle(
 
 
 def arrange_given(graph: SceneGraph) -> SceneGraph:
-    """A house whose pieces somebody else placed, none in another, out of its room or in the way:
+    """A house whose pieces somebody else placed, none in another, out of its room or before a door:
     moved aside, or else left out."""
     from chord_usd.line.arrange.arrangement import Arrangement
     from chord_usd.line.arrange.rules import arrange
@@ -255,7 +255,7 @@ def dress_rooms(
     rooms: Collection[str] = (),
     keep: Collection[str] = (),
 ) -> SceneGraph:
-    """The graph with its rooms dressed anew, in its style or else that of the settings.
+    """The graph with its rooms dressed again, in its style or else that of the settings.
 
     rooms: ids, by default all. keep: ids of dressing that stays as it is.
     """

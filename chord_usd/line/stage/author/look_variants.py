@@ -105,7 +105,7 @@ def _assign_looks(
 def wear_look(
     layer: Sdf.Layer, room: NamedRoom, part: Part, look: Look, materials: Packages, seed: int
 ) -> None:
-    """Let the floor or walls of a written room wear a look, which is offered from then on, too."""
+    """Bind a look to the floor or walls of a written room; the room offers it from then on."""
     prim, name = layer.GetPrimAtPath(room.path), f"{part}Material"
     variants = prim.variantSets.get(name)
     if variants is None:

@@ -109,7 +109,7 @@ def edit_rooms(
 
 
 def _colour(layer: Sdf.Layer, colours: Mapping[str, str]) -> None:
-    """Let things wear their colourways: their own, which the looks of the house may lack."""
+    """Bind colourways to things, also colourways that the house did not offer."""
     due = [group for room in room_specs(layer) for group in room.nameChildren] if colours else []
     while due:
         prim = due.pop()
