@@ -1,4 +1,4 @@
-"""What components can wear: their variants, and the colourway that is most like what was said."""
+"""Variants of components, and the colourway of a component that is most like a coat."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LEAST_STEP = 0.08
 
 @dataclass(frozen=True)
 class Offer:
-    """What a component can wear."""
+    """Variants of a component."""
 
     variants: dict[str, list[str]]
     """Names of variants by variant set."""
@@ -47,23 +47,21 @@ def offer_of(path: Path) -> Offer:
 def colourway_like(path: Path, coat: Coat, now: str = "") -> str:
     """The colourway of a component that is most like a coat; "" where none is like it.
 
-    now: the one that it wears, which darker and lighter ones compare with.
+    now: its present colourway, with which darker and lighter ones are compared.
     """
     offer = offer_of(path)
     shown = {name: _shown(offer.finishes.get(name, [name]))
              for name in offer.variants.get(COLOUR_VARIANT_SET, ())}  # fmt: skip
     if coat.material in ("darker", "lighter"):
         return _toned(shown, now, 1.0 if coat.material == "lighter" else -1.0)
-    fit = {}
+    fit, most = {}, 3.0 * ALIKE if coat.material else ALIKE
     for name, finish in shown.items():
         rgb = _rgb(finish) or _rgb(name)
         if coat.material and not _is_of(finish, coat.material):
             continue
         if coat.rgb is None:
             fit[name] = 0.0
-        elif rgb and (away := colour_distance(coat.rgb, rgb)) <= (3.0 if coat.material else 1.0) * (
-            ALIKE
-        ):
+        elif rgb and (away := colour_distance(coat.rgb, rgb)) <= most:
             fit[name] = away
     return min(fit, key=fit.__getitem__, default="")
 

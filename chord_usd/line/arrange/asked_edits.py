@@ -134,7 +134,7 @@ def _sized(database: Catalogue, new: NewPiece, old: Item | None) -> Iterator[Ass
 
 
 def _wearable(work: Work, new: NewPiece, old: Item | None) -> str:
-    """What colours the piece comes in."""
+    """The colours of the piece, in words."""
     asset = work.assets.get(old.id) if old else None
     names = offer_of(asset.usd_path).variants.get(COLOUR, ()) if asset and new.coat else ()
     return ", ".join(name.replace("_", " ") for name in names) or "another size or colour"

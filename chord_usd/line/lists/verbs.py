@@ -387,9 +387,9 @@ class Reader(Referents):
                 for surface in dict.fromkeys(clause.surfaces) for room in rooms
             ]  # fmt: skip
         if not clause.nouns and not clause.is_it:
-            raise not_understood(clause.words, "what is to look so?", _WEARERS)
+            raise not_understood(clause.words, "what is to look so?", _COATED)
         if clause.is_it and not clause.nouns and not self.last:
-            raise not_understood(clause.words, "what is meant by 'it'?", _WEARERS)
+            raise not_understood(clause.words, "what is meant by 'it'?", _COATED)
         if len(clause.nouns) == 1 and not rooms:  # "the curtains" are those of all rooms, as walls
             clause.nouns[0].is_every |= self.is_group(clause.nouns[0])
         items = self.subjects(clause, rooms)
@@ -430,7 +430,7 @@ class Reader(Referents):
 _EXCHANGES = ("_replace", "_swap", "_change")
 """What may have a piece that is named before, as in "a larger one"."""
 _OF_VERB = {"put": "add", "unlock": "lock", "style": "restyle"}
-_WEARERS = "a piece, walls or a floor"
+_COATED = "a piece, walls or a floor"
 _QUARTERS = {"left": 90.0, "right": -90.0}
 """Turns of a piece to its own sides, counter-clockwise."""
 FLOORS = frozenset((*WOODS, "wood", "parquet", "herringbone", "chevron", "laminate", "tiles",

@@ -17,7 +17,7 @@ Cells = tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]
 Goal = tuple[Cells, FloatArray]
 """Cells before a place, and how far each is before it, in cells."""
 WIDEST, _NARROWEST = 19, 5
-"""In cells; wider ways are not told apart, and narrower ones are none."""
+"""In cells; wider ways count as so wide, and narrower ones as none."""
 _NEAR = 3.0
 """In cells: a walker has come to a place whose edge is no farther from it."""
 

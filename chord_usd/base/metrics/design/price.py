@@ -78,9 +78,7 @@ def cut_off(view: View) -> int:
     """How many parts of the floor one gets to over no gap that is passed sideways, beyond the
     largest, and how many doors and passages one does not walk to from most others."""
     ground = view.shell.ground
-    floor = ground.floor.copy()
-    for outline in view.corners[view.stands]:
-        cv2.fillPoly(floor, [ground.cells(outline)], (0,))
+    floor = ground.between(ground.floor, view.corners[view.stands])
     eroded = cv2.erode(floor, _SIDEWAYS)
     count, _, stats, _ = cv2.connectedComponentsWithStats(eroded, connectivity=4)
     areas_m2 = stats[1:count, cv2.CC_STAT_AREA] * CELL_M**2

@@ -106,9 +106,9 @@ class Rects:
             first, last = along[:, 0].T, along[:, 1].T
             run = np.where(last == first, 1e-9, last - first)
             reach = np.maximum(half - TOUCH_M, 0.0)
-            at_near, other = (-reach - first) / run, (reach - first) / run
-            enter = np.maximum(enter, np.minimum(at_near, other))
-            leave = np.minimum(leave, np.maximum(at_near, other))
+            cuts = (-reach - first) / run, (reach - first) / run
+            enter = np.maximum(enter, np.minimum(*cuts))
+            leave = np.minimum(leave, np.maximum(*cuts))
         crossed: BoolArray = (enter < leave).any(axis=1)
         return crossed
 
@@ -221,6 +221,13 @@ class Ground:
     def way_m(self) -> float:
         """Width of the widest way that joins all ways into the empty room."""
         return Floor(self.within, self.goals).widest()[0] * CELL_M
+
+    def between(self, floor: ByteArray, outlines_m: FloatArray) -> ByteArray:
+        """(H, W) a floor without the cells of these outlines (N, 4, 2)."""
+        left = floor.copy()
+        for outline in outlines_m:
+            cv2.fillPoly(left, [self.cells(outline)], (0,))
+        return left
 
     def cells(self, points_m: FloatArray) -> npt.NDArray[np.int32]:
         """(N, 2) columns and rows of points."""

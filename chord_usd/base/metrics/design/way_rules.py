@@ -22,16 +22,13 @@ _BESIDE_M = 0.15
 
 
 def _free(view: View) -> ByteArray:
-    """What pieces leave of the floor of a room."""
+    """(H, W) the floor between pieces, without the cells at the walls."""
     ground = view.shell.ground
-    floor = ground.within.copy()
-    for outline in view.corners[view.stands]:
-        cv2.fillPoly(floor, [ground.cells(outline)], (0,))
-    return floor
+    return ground.between(ground.within, view.corners[view.stands])
 
 
 def _floor(view: View) -> Floor | None:
-    """The same with where one goes to; None in a room with nowhere to go."""
+    """The free floor with its places to go to; None in a room with fewer than two."""
     ground, tables = view.shell.ground, view.of("dining_table")
     if len(ground.ways) + bool(tables) < 2:
         return None
