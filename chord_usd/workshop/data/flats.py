@@ -25,6 +25,7 @@ from chord_usd.base.runtime.json_lines import read_lines
 from chord_usd.base.runtime.json_text import parse_json
 from chord_usd.base.scene.geometry import refuse_unreachable
 from chord_usd.base.scene.types import Plan, Room, RoomKind, frozen_array
+from chord_usd.base.scene.wet_rooms import with_wet_kinds
 from chord_usd.workshop.data.floorplans.traced import Mark, Segment, closed_cells, px_per_m
 from chord_usd.workshop.data.floorplans.traced_openings import traced_openings, unreached
 from chord_usd.workshop.data.floorplans.traced_rooms import TracedRoom, traced_rooms
@@ -158,11 +159,12 @@ def _plan(
     shafts = {ids[index] for index in unreached(rooms, links, links[0][0])}
     kept = [(i, room) for i, room in zip(ids, rooms, strict=True) if i not in shafts]
     _refuse_unsound([room for _, room in kept])
-    return Plan(
+    plan = Plan(
         rooms=_named(kept),
         openings=tuple(o for o in openings if shafts.isdisjoint(o.room_ids)),
         extra={"source": flat_id, "fixtures": _fixtures(marks)},
     )
+    return with_wet_kinds(plan)
 
 
 def _one_storey(rooms: Sequence[TracedRoom]) -> list[TracedRoom]:
