@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain
 
 import numpy as np
 import shapely
@@ -268,18 +267,25 @@ def _doorway(opening: Opening) -> shapely.Polygon:
 def ways_shut(graph: SceneGraph, room: Room) -> int:
     """How many ways of a room, doors, passages and open borders, its pieces part from most of the
     others in it."""
-    doors = [each for each in graph.openings if each.kind != "window" and room.id in each.room_ids]
-    borders = open_borders(graph.rooms, graph.openings)
-    ways: dict[str, list[Opening]] = {}
-    for way in (*doors, *(border for border in borders if room.id in border.room_ids)):
-        ways.setdefault(way.id, []).append(way)
-    if len(ways) < 2:
+    alone = _alone(graph, room)
+    if len({way.id for way in alone.openings}) < 2:
         return 0
-    items = tuple(item for item in graph.items if item.room_id == room.id)
-    alone = replace(graph, rooms=(room,), openings=tuple(chain.from_iterable(ways.values())),
-                    items=items, dressing=())  # fmt: skip
     shut = _parted(alone)
     return max(0, shut - _parted(replace(alone, items=()))) if shut else 0
+
+
+def is_shut(graph: SceneGraph, room: Room) -> bool:
+    """Whether the pieces of a room keep a walker from its floor, or part its ways."""
+    return bool(ways_shut(graph, room) or walk(_alone(graph, room)).shut)
+
+
+def _alone(graph: SceneGraph, room: Room) -> SceneGraph:
+    """A room with its pieces, and doors, passages and open borders as its openings."""
+    doors = [each for each in graph.openings if each.kind != "window" and room.id in each.room_ids]
+    borders = open_borders(graph.rooms, graph.openings)
+    ways = (*doors, *(border for border in borders if room.id in border.room_ids))
+    items = tuple(item for item in graph.items if item.room_id == room.id)
+    return replace(graph, rooms=(room,), openings=ways, items=items, dressing=())
 
 
 def _parted(room: SceneGraph) -> int:

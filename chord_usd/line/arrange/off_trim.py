@@ -14,6 +14,7 @@ import shapely
 from shapely.geometry import Polygon
 
 from chord_usd.base.metrics.clear_floor import sides_of
+from chord_usd.base.metrics.walk import is_shut
 from chord_usd.base.places.free_places import FreePlaces
 from chord_usd.base.scene.geometry import footprint, footprint_polygon, front_direction, to_own
 from chord_usd.base.scene.oriented_rect import Edge, Footprint, OrientedRect
@@ -50,8 +51,9 @@ def clear_trim(work: Arrangement) -> SceneGraph:
         reach = footprint_polygon(item.box).buffer(max(item.box.size_m[:2]))
         near = [trim[index] for index in sorted(tree.query(reach))]
         if is_in_trim(item.box, near):
+            house = replace(graph, items=tuple(items.values()))
             free = work.free_places(item, items.values())
-            items[item.id] = _beside(item, near, free)
+            items[item.id] = _beside(item, near, free, house)
     return replace(graph, items=tuple(items.values()))
 
 
@@ -75,11 +77,13 @@ def is_in_trim(box: Box, trim: Sequence[Box]) -> bool:
     )
 
 
-def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
+def _beside(item: Item, trim: Sequence[Box], free: FreePlaces, house: SceneGraph) -> Item:
     """The piece moved as little as clears all trim, or cut a little; as it is, if nothing does.
 
     What hangs on a wall moves along it. trim: also what the piece is not in, but may come into.
+    house: as it is now; no move shuts a room in it.
     """
+    room = next((room for room in house.rooms if room.id == item.room_id), None)
     moves = [
         move
         for strip in trim
@@ -94,7 +98,12 @@ def _beside(item: Item, trim: Sequence[Box], free: FreePlaces) -> Item:
     moves.sort(key=lambda move: float(np.hypot(*move)))
     for box in (*(_moved(item.box, move) for move in moves), *_cuts(item, moves)):
         if free.has(box) and not is_in_trim(box, trim):
-            return replace(item, box=box)
+            moved = replace(item, box=box)
+            option = replace(
+                house, items=tuple(moved if i.id == item.id else i for i in house.items)
+            )
+            if room is None or not is_shut(option, room) or is_shut(house, room):
+                return moved
     return item
 
 

@@ -15,7 +15,7 @@ from itertools import combinations
 import numpy as np
 import shapely
 
-from chord_usd.base.metrics.clear_floor import clearances, is_open_border, open_borders
+from chord_usd.base.metrics.clear_floor import clearances, is_open_border, open_borders, sides_of
 from chord_usd.base.metrics.fronts import FRONT, USED_SIDES, floor_before
 from chord_usd.base.places.wall_frames import WallFrame
 from chord_usd.base.scene.geometry import footprint, footprint_polygon, gaps, room_polygon
@@ -144,7 +144,7 @@ def site_of(house: SceneGraph, room: Room, stays: Iterable[Item], moves: Iterabl
     borders = [opening.box for opening in (*touching, *filter(is_open_border, openings))]
     standing = [footprint(item.box) for item in stays]
     holes = [opening for opening in openings if opening.kind != "window"]
-    trim = _trim_of(list(dict.fromkeys(opening for opening, _ in clear)), room)
+    trim = _trim_on(floor, sides_of(openings, near))
     solid = _edges(corners, [footprint_polygon(border) for border in borders], ())
     lengths = np.hypot(*(np.roll(corners, -1, axis=0) - corners).T)
     longest = sorted(np.argsort(-lengths, kind="stable")[:_WALLS].tolist())
@@ -239,10 +239,22 @@ def _wall(
     )  # fmt: skip
 
 
-def _trim_of(openings: Iterable[Opening], room: Room) -> list[tuple[Box, float]]:
-    """Casings and window boards, and the height from which they keep pieces out."""
-    legs = [(leg, _OUT) for opening in openings for leg in casings(opening, room)]
-    return legs + [(board, board.center_m[2]) for each in openings for board in boards(each, room)]
+def _trim_on(
+    floor: shapely.Polygon, sides: Iterable[tuple[Opening, Room]]
+) -> list[tuple[Box, float]]:
+    """Casings and window boards on a floor, and the height from which they keep pieces out.
+
+    sides: openings with rooms beside them; trim of an open neighbour may reach over the border.
+    """
+    trim = [
+        strip
+        for opening, room in sides
+        for strip in (
+            *((leg, _OUT) for leg in casings(opening, room)),
+            *((board, board.center_m[2]) for board in boards(opening, room)),
+        )
+    ]
+    return [(box, low) for box, low in trim if footprint_polygon(box).intersects(floor)]
 
 
 def _facing(edges: FloatArray) -> Iterator[list[float]]:
