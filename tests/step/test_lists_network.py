@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from torch.nn import functional
 
 from chord_usd.base.errors import CheckpointError
 from chord_usd.base.runtime.networks import load_network
 from chord_usd.base.scene.types import Box
 from chord_usd.cli import main
 from chord_usd.line.lists import pieces
-from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, Subject, load_lists
+from chord_usd.line.lists.list_sampler import Subject, load_lists
 from chord_usd.line.lists.pieces import PIECES
 from chord_usd.line.lists.things import load_lister
 from chord_usd.line.lists.vocabulary import NOTHING
@@ -78,11 +79,16 @@ def test_drawing_knows_the_chances_that_training_sees(network: ListNetwork) -> N
     segments, facts, flags, roles, left, values = batch
     noise = torch.zeros(5, len(PIECES.slots), PIECES.size)
     drawing, total = Drawing(network), torch.zeros(5)
+    there, known = torch.ones(5, 0, dtype=torch.bool), [torch.zeros(5, 2, 0, 16)] * 2
+    padded = functional.pad(values, (0, 0, 1, 0))
     for at in range(values.shape[1]):
-        told = slice(at + 1)
-        kept, chances = drawing(
-            segments, facts, flags, roles[:, told], left[:, told], values[:, told], noise
-        )
+        around = segments if not at else segments[:, :0]
+        new = torch.arange(int(at > 0), around.shape[1] + 2)
+        place = torch.tensor([at])
+        kept, chances, there, *known = drawing(
+            around, facts, flags, roles[:, at, None], left[:, at, None], padded[:, at : at + 2],
+            noise, place, new, there, *known,
+        )  # fmt: skip
         held = values[:, at] != NOTHING
         assert torch.equal(kept[held], values[:, at][held])
         total += (chances * held).sum(dim=1)
@@ -96,9 +102,16 @@ def test_without_torch_the_same_is_drawn(network: ListNetwork, folder: Path) -> 
     halves = {name: t.half().float() for name, t in network.state_dict().items()}
     rounded = ListNetwork(PIECES, channels=32, layers=1, heads=2).eval()
     rounded.load_state_dict(halves)
-    arrays = (segments, facts, flags, roles, left, values, noise)
-    inputs = {name: a.numpy() for name, a in zip(GRAPH_INPUTS, arrays, strict=True)}
-    drawn, chances = load_network(folder, "").run(inputs)
+    count, length = values.shape[:2]
+    padded = functional.pad(values, (0, 0, 1, 0))
+    new = torch.arange(1 + segments.shape[1] + length)
+    known = (torch.zeros(count, 2, 0, 16), torch.zeros(count, 2, 0, 16))
+    arrays = (segments, facts, flags, roles, left, padded, noise, torch.arange(length), new,
+              torch.ones(count, 0, dtype=torch.bool), *known)  # fmt: skip
+    runner = load_network(folder, "")
+    drawn, chances, *_ = runner.run(
+        {name: a.numpy() for name, a in zip(runner.shapes(), arrays, strict=True)}
+    )
     expected = Drawing(rounded)(*arrays)
     assert np.array_equal(drawn, expected[0].numpy())
     assert np.allclose(chances, expected[1].detach().numpy(), atol=1e-3)

@@ -167,13 +167,17 @@ def test_units_of_a_kitchen_are_told_as_they_stand() -> None:
 class Chance:
     """In place of a trained network: all that may stand somewhere is as likely."""
 
+    def shapes(self) -> dict[str, list[int]]:
+        return {"keys_0": [0, 2, 0, 4], "values_of_0": [0, 2, 0, 4]}
+
     def run(self, inputs: dict[str, Any]) -> list[np.ndarray]:
-        assert list(inputs) == list(GRAPH_INPUTS)
+        assert set(inputs) == {*GRAPH_INPUTS, *self.shapes()}
         allowed = PIECES.allowed()[inputs["roles"][:, -1]]
         drawn = np.where(allowed, inputs["noise"], -np.inf).argmax(axis=-1)
         given = inputs["values"][:, -1]
         drawn = np.where(given == NOTHING, drawn, given)
-        return [drawn, np.zeros(drawn.shape, np.float32)]
+        known = [inputs[name] for name in ("there", *self.shapes())]
+        return [drawn, np.zeros(drawn.shape, np.float32), *known]
 
 
 def subject(**asked: Any) -> Subject:

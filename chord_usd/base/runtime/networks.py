@@ -39,6 +39,13 @@ class Network:
     def __init__(self, session: onnxruntime.InferenceSession, path: Path) -> None:
         self._session, self._path = session, path
 
+    def shapes(self) -> dict[str, list[int]]:
+        """Shapes of the inputs by name, in the order of its file; 0 for an axis of any length."""
+        return {
+            taken.name: [length if isinstance(length, int) else 0 for length in taken.shape]
+            for taken in self._session.get_inputs()
+        }
+
     def run(self, inputs: Mapping[str, npt.NDArray[Any]]) -> list[npt.NDArray[np.float32]]:
         """The network's outputs, in the order of its file.
 

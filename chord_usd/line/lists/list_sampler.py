@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -21,8 +21,12 @@ from chord_usd.line.lists.vocabulary import (
     roles_of,
 )
 
-GRAPH_INPUTS = ("segments", "facts", "flags", "roles", "left", "values", "noise")
-GRAPH_OUTPUTS = ("values_drawn", "chances")
+GRAPH_INPUTS = (
+    "segments", "facts", "flags", "roles", "left", "values", "noise", "at", "new", "there",
+)  # fmt: skip
+GRAPH_OUTPUTS = ("values_drawn", "chances", "there_now")
+STATES, NOW = ("keys", "values_of"), "_now"
+"""Further inputs, STATES of each layer, as keys_0; outputs are named keys_0_now."""
 REMEDY = "chord-usd train lists, or reinstall chord-usd"
 
 
@@ -98,7 +102,7 @@ class ListDrawer:
         """
         if not subjects:
             return []
-        lines = _Lines(self.vocabulary, subjects)
+        lines = _Lines(self.vocabulary, subjects, self._network.shapes())
         while len(lines.open):
             self._tell(lines, rng, heat)
         return lines.drawn()
@@ -116,14 +120,20 @@ class ListDrawer:
         closed = lines.is_closed[lines.open, None, None]
         gumbel *= np.where(closed, heat.places, heat.categories)
         inputs["noise"] = (gumbel + lines.barred()).astype(np.float32)
-        values, chances = self._network.run(inputs)
-        lines.take(np.asarray(values, np.int64), chances)
+        values, chances, there, *states = self._network.run(inputs)
+        lines.take(np.asarray(values, np.int64), chances, [there, *states])
 
 
 class _Lines:
     """Lists while they are drawn."""
 
-    def __init__(self, vocabulary: Vocabulary, subjects: Sequence[Subject]) -> None:
+    def __init__(
+        self,
+        vocabulary: Vocabulary,
+        subjects: Sequence[Subject],
+        shapes: Mapping[str, Sequence[int]],
+    ) -> None:
+        """shapes: of the network's inputs, 0 for axes of any length."""
         self.vocabulary, self.subjects = vocabulary, subjects
         count, slots = len(subjects), len(vocabulary.slots)
         most = max(len(subject.segments) for subject in subjects)
@@ -140,23 +150,31 @@ class _Lines:
         self.likelihood = np.zeros(count)
         self.roles: list[Ints] = [np.zeros(0, np.int64)] * count
         self.left: list[Ints] = [np.zeros(0, np.int64)] * count
+        states = [name for name in shapes if name.startswith(STATES)]
+        self.known = {"there": np.zeros((count, 0), np.bool_)}
+        self.known |= {name: np.zeros((count, *shapes[name][1:]), np.float32) for name in states}
 
     def inputs(self) -> dict[str, np.ndarray]:
-        """For the network, all positions so far and the one to come, of the open lists."""
-        rows, length = self.open, self.at + 1
-        roles = np.zeros((len(rows), length), np.int64)
+        """For the network, the position to come of the open lists, and what is known of them; all
+        that lies around them before the first."""
+        rows = self.open
+        roles = np.zeros((len(rows), 1), np.int64)
         left = np.zeros_like(roles)
-        values = np.zeros((len(rows), length, self.values.shape[2]), np.int64)
-        values[:, : self.at] = self.values[rows]
+        values = np.zeros((len(rows), 2, self.values.shape[2]), np.int64)
+        if self.at:
+            values[:, 0] = self.values[rows, -1]
         for row, line in enumerate(rows):
-            count = len(self.categories[line])
-            given = slice(count + 1, length)
             if self.is_closed[line]:
-                roles[row, given] = self.roles[line][: length - count - 1]
-                left[row, given] = self.left[line][: length - count - 1]
-                values[row, -1] = self._given(line, self.at - count - 1)
-        arrays = (self.segments[rows], self.facts[rows], self.flags[rows], roles, left, values)
-        return dict(zip(GRAPH_INPUTS, arrays, strict=False))
+                nth = self.at - len(self.categories[line]) - 1
+                roles[row, 0], left[row, 0] = self.roles[line][nth], self.left[line][nth]
+                values[row, -1] = self._given(line, nth)
+        around = self.segments[rows] if not self.at else self.segments[rows, :0]
+        new = np.arange(self.at > 0, around.shape[1] + 2)
+        return {
+            "segments": around, "facts": self.facts[rows], "flags": self.flags[rows],
+            "roles": roles, "left": left, "values": values, "at": np.array([self.at]), "new": new,
+            **self.known,
+        }  # fmt: skip
 
     def _given(self, line: int, index: int) -> Ints:
         """(slots,) the values of an element that is kept; NOTHING of one to draw."""
@@ -199,8 +217,9 @@ class _Lines:
             possible[END] = True
         return possible
 
-    def take(self, values: Ints, chances: Floats) -> None:
-        """What the network drew for the open lists."""
+    def take(self, values: Ints, chances: Floats, known: Sequence[np.ndarray]) -> None:
+        """What the network drew for the open lists. known: what it knows of them now, in the order
+        of self.known: it reads surroundings and positions once."""
         column = np.zeros((len(self.subjects), 1, self.values.shape[2]), np.int64)
         for row, line in enumerate(self.open):
             if self.is_closed[line]:
@@ -218,7 +237,10 @@ class _Lines:
         self.values = np.concatenate([self.values, column], axis=1)
         self.at += 1
         lengths = np.array([2 * len(listed) + 1 for listed in self.categories])
-        self.open = np.flatnonzero(~self.is_closed | (lengths > self.at))
+        rows, self.open = self.open, np.flatnonzero(~self.is_closed | (lengths > self.at))
+        stay = np.isin(rows, self.open)
+        left = known if stay.all() else [part[stay] for part in known]
+        self.known = dict(zip(self.known, left, strict=True))
 
     def drawn(self) -> list[Drawn]:
         starts = np.array([self.vocabulary.first[name] for name in self.vocabulary.slots])

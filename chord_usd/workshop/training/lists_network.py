@@ -42,7 +42,8 @@ class ListNetwork(nn.Module):
         heads: int = HEADS,
     ) -> None:
         super().__init__()
-        self.slots = len(vocabulary.slots)
+        self.slots, self.layers = len(vocabulary.slots), layers
+        self.heads, self.head_width = heads, channels // heads
         self.spans = [vocabulary.span(slot) for slot in range(self.slots)]
         size = vocabulary.size
         self.segment_kind = nn.Embedding(vocabulary.segments, channels)
@@ -109,15 +110,22 @@ class ListNetwork(nn.Module):
         """(B, L, channels) what is known at each position before its own values."""
         around, there = self.around(segments, facts, flags)
         before = functional.pad(values[:, :-1], (0, 0, 1, 0))
-        inputs = self.role(roles) + self.left(left) + self.order.weight[: roles.shape[1]]
-        for slot, table in enumerate(self.before):
-            inputs = inputs + table(before[..., slot])
-        state = torch.cat([around, inputs], dim=1)
-        mask = _seen(state, around.shape[1], there)
+        at = torch.arange(roles.shape[1], device=roles.device)
+        state = torch.cat([around, self.inputs(roles, left, before, at)], dim=1)
+        there = functional.pad(there, (0, roles.shape[1]), value=True)
+        mask = _seen(state.shape[1], around.shape[1], there)
         for block in self.blocks:
             state = block(state, mask)
         out: Tensor = self.norm(state[:, around.shape[1] :])
         return out
+
+    def inputs(self, roles: Tensor, left: Tensor, before: Tensor, at: Tensor) -> Tensor:
+        """(B, L, channels) of positions. before: (B, L, slots) values of those one earlier; at:
+        (L,) their places in the sequence."""
+        inputs: Tensor = self.role(roles) + self.left(left) + self.order(at)
+        for slot, table in enumerate(self.before):
+            inputs = inputs + table(before[..., slot])
+        return inputs
 
     def logits(self, state: Tensor, roles: Tensor, slot: int) -> Tensor:
         """(..., n) of the values in the span of one slot, from a state that knows those before."""
@@ -164,7 +172,10 @@ class ListNetwork(nn.Module):
 
 
 class Drawing(nn.Module):
-    """The same network for running: draws the values of the last position."""
+    """The same network for running: draws the values of the last position.
+
+    What lies around and earlier positions are read once: each run gives what the next has to know.
+    """
 
     def __init__(self, network: ListNetwork) -> None:
         super().__init__()
@@ -179,15 +190,38 @@ class Drawing(nn.Module):
         left: Tensor,
         values: Tensor,
         noise: Tensor,
-    ) -> tuple[Tensor, Tensor]:
-        """(B, slots) values, and (B, slots) their log chances.
+        at: Tensor,
+        new: Tensor,
+        there: Tensor,
+        *known: Tensor,
+    ) -> tuple[Tensor, ...]:
+        """(B, slots) values, (B, slots) their log chances, and there and known of the next run.
 
+        roles, left: (B, L) of the positions that are new; values: (B, 1 + L, slots) of the position
+        before them, NOTHING before the first, and of them; at: (L,) their places in the sequence.
         noise: (B, slots, size), added to the logits: Gumbel noise times the temperature, BARRED for
         what may not be drawn. What the last position of values holds already is kept. Of a position
         that holds a category, only the first slot means anything.
+        new: numbers of what is not known yet among the facts, the segments (B, S, SEGMENT_FIELDS)
+        and the positions, in this order; S may be 0 once they are known. there: (B, P), known: of
+        each layer keys and values, (B, heads, P, channels / heads) each, from the last run; P is 0
+        in the first.
         """
         network = self.network
-        state = network.states(segments, facts, flags, roles, left, values)[:, -1]
+        around, present = network.around(segments, facts, flags)
+        positions = network.inputs(roles, left, values[:, :-1], at)
+        present = functional.pad(present, (0, roles.shape[1]), value=True)
+        there = torch.cat([there, present[:, new]], dim=1)
+        state = torch.cat([around, positions], dim=1)[:, new]
+        # In the first run new holds all that lies around, in later ones nothing of it.
+        count = state.shape[1]
+        mask = _seen(there.shape[1], count - roles.shape[1], there)[:, :, -count:]
+        now: list[Tensor] = []
+        for layer, block in enumerate(network.blocks):
+            assert isinstance(block, Block)
+            state, *kept = block.continued(state, mask, known[2 * layer : 2 * layer + 2])
+            now += kept
+        state = network.norm(state[:, -1])
         drawn, chances = [], []
         for slot in range(network.slots):
             first, end = network.spans[slot]
@@ -202,7 +236,7 @@ class Drawing(nn.Module):
             chances.append(logits.log_softmax(dim=-1).gather(-1, picked[:, None] - first)[:, 0])
             if slot < network.slots - 1:
                 state = state + network.own[slot](picked)
-        return torch.stack(drawn, dim=1), torch.stack(chances, dim=1)
+        return torch.stack(drawn, dim=1), torch.stack(chances, dim=1), there, *now
 
 
 class _Slot(nn.Module):
@@ -238,10 +272,12 @@ def _waves(count: int, channels: int) -> Tensor:
     return torch.cat([turns.sin(), turns.cos()], dim=1)
 
 
-def _seen(state: Tensor, around: int, there: Tensor) -> Tensor:
-    """(B, 1, L, L) mask of attention: positions see the surroundings and earlier positions."""
-    place = torch.arange(state.shape[1], device=state.device)
+def _seen(length: int, around: int, there: Tensor) -> Tensor:
+    """(B, 1, L, L) mask of attention: positions see the surroundings and earlier positions.
+
+    there: (B, L) what is there of both.
+    """
+    place = torch.arange(length, device=there.device)
     seen = (place[None] <= place[:, None]) | (place[None] < around)
-    present = functional.pad(there, (0, state.shape[1] - around), value=True)
-    both = seen[None] & present[:, None]
-    return torch.where(both, 0.0, BARRED).to(state.dtype)[:, None]
+    both = seen[None] & there[:, None]
+    return torch.where(both, 0.0, BARRED)[:, None]

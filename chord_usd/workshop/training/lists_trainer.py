@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from chord_usd.base.runtime.progress import Progress
-from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, GRAPH_OUTPUTS
+from chord_usd.line.lists.list_sampler import GRAPH_OUTPUTS, NOW, STATES
 from chord_usd.line.lists.vocabulary import NOTHING, SEGMENT_FIELDS, Vocabulary
 from chord_usd.workshop.training.lists_data import Batch
 from chord_usd.workshop.training.lists_network import Drawing, ListNetwork
@@ -114,26 +114,46 @@ def write_checkpoint(
 ) -> None:
     """The weights in half precision, how to draw with them, and where they come from."""
     write_weights(folder, network, {"training": facts})
+    write_drawing(folder, network, vocabulary)
+
+
+def write_drawing(folder: Path, network: ListNetwork, vocabulary: Vocabulary) -> None:
+    """How to draw with a checkpoint's weights."""
+    slots = len(vocabulary.slots)
+    states = [f"{part}_{layer}" for layer in range(network.layers) for part in STATES]
+    state = torch.zeros(1, network.heads, 1, network.head_width)
     example = {
         "segments": torch.ones(1, 2, SEGMENT_FIELDS, dtype=torch.long),
         "facts": torch.zeros(1, len(vocabulary.facts), dtype=torch.long),
         "flags": torch.zeros(1, vocabulary.flags),
         "roles": torch.zeros(1, 2, dtype=torch.long),
         "left": torch.zeros(1, 2, dtype=torch.long),
-        "values": torch.full((1, 2, len(vocabulary.slots)), NOTHING, dtype=torch.long),
-        "noise": torch.zeros(1, len(vocabulary.slots), vocabulary.size),
+        "values": torch.full((1, 3, slots), NOTHING, dtype=torch.long),
+        "noise": torch.zeros(1, slots, vocabulary.size),
+        "at": torch.arange(2),
+        "new": torch.arange(5),
+        "there": torch.ones(1, 1, dtype=torch.bool),
+        **dict.fromkeys(states, state),
     }
-    axes = {0: "batch", 1: "positions"}
-    rows = {name: {0: "batch"} for name in ("facts", "flags", "noise", *GRAPH_OUTPUTS)}
+    outputs = (*GRAPH_OUTPUTS, *(name + NOW for name in states))
+    batch, positions = {0: "batch"}, {0: "batch", 1: "positions"}
+    known, now = {0: "batch", 2: "known"}, {0: "batch", 2: "known now"}
     write_graph(
         folder,
         Drawing(network.cpu()),
         stored={f"network.{name}": name for name in network.state_dict()},
-        inputs={name: example[name] for name in GRAPH_INPUTS},
-        outputs=GRAPH_OUTPUTS,
+        inputs=example,
+        outputs=outputs,
         free_axes={
             "segments": {0: "batch", 1: "segments"},
-            **dict.fromkeys(("roles", "left", "values"), axes),
-            **rows,
+            **dict.fromkeys(("roles", "left"), positions),
+            "values": {0: "batch", 1: "positions and one"},
+            **dict.fromkeys(("facts", "flags", "noise", *GRAPH_OUTPUTS[:2]), batch),
+            "at": {0: "positions"},
+            "new": {0: "new"},
+            "there": {0: "batch", 1: "known"},
+            "there_now": {0: "batch", 1: "known now"},
+            **dict.fromkeys(states, known),
+            **dict.fromkeys(outputs[3:], now),
         },
     )
