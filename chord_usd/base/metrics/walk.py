@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -233,10 +234,15 @@ def entrance(graph: SceneGraph) -> Opening | None:
 
 def free_floor(graph: SceneGraph) -> shapely.Geometry:
     """Floor that nothing stands on, doorways included; grown by SEAM_M at the walls."""
-    rooms = [room_polygon(room).buffer(SEAM_M, join_style="mitre") for room in graph.rooms]
-    doorways = [_doorway(opening) for opening in graph.openings if opening.kind != "window"]
-    floor = shapely.union_all([*rooms, *doorways])
+    floor = _bare_floor(tuple(graph.rooms), tuple(graph.openings))
     return left_free(floor, (*graph.items, *filter(takes_floor, graph.dressing)))
+
+
+@lru_cache(maxsize=64)  # drafts of a house ask for the same plan, and for each of its rooms alone
+def _bare_floor(rooms: tuple[Room, ...], openings: tuple[Opening, ...]) -> shapely.Geometry:
+    grown = [room_polygon(room).buffer(SEAM_M, join_style="mitre") for room in rooms]
+    doorways = [_doorway(opening) for opening in openings if opening.kind != "window"]
+    return shapely.union_all([*grown, *doorways])
 
 
 def left_free(floor: shapely.Geometry, things: Iterable[Item]) -> shapely.Geometry:

@@ -87,6 +87,7 @@ def footprint_polygon(box: Box) -> Polygon:
     return Polygon(footprint(box))
 
 
+@lru_cache(maxsize=1024)
 def room_polygon(room: Room) -> Polygon:
     """The room's floor as a shapely polygon, metres."""
     return Polygon(room.polygon_m)

@@ -46,7 +46,7 @@ def _rooms_opened(work: Arrangement, faults: Faults) -> SceneGraph:
             if any(room_polygon(room).dwithin(floor, _BESIDE_M) for floor in floors)
         }  # fmt: skip
         there = walk(graph).reached.area
-        tries = []
+        tries: list[tuple[int, str, SceneGraph]] = []
         for item in graph.items:
             if item.room_id in near and work.may_move(item):
                 option = graph.without([item.id])
@@ -54,10 +54,13 @@ def _rooms_opened(work: Arrangement, faults: Faults) -> SceneGraph:
                 # Of pieces one after another each shuts the rest: the first of them leads farther.
                 farther = way.reached.area > there + _FARTHER_M2
                 if len(way.shut) < len(shut) or farther:
-                    tries.append((len(way.shut), faults(option), item.id, option))
+                    tries.append((len(way.shut), item.id, option))
         if not tries:
             break
-        graph = min(tries, key=lambda each: each[:3])[3]
+        least = min(count for count, *_ in tries)
+        best = [(faults(option), item_id, option) for count, item_id, option in tries
+                if count == least]  # fmt: skip
+        graph = min(best, key=lambda each: each[:2])[2]
     return graph
 
 

@@ -45,7 +45,7 @@ def improved(
                 others = home(tried)
                 if TIGHT * faults + others > price - gain:  # however few rules it breaks
                     continue
-                cost = quick_price(tried, faults) + others
+                cost = quick_price(tried, faults, price - gain - others) + others
                 if cost <= price - gain:
                     better.append((round(cost, 9), nth, faults, tried))
         for cost, _, faults, tried in sorted(better, key=lambda entry: entry[:2])[:_LOOKED_AT]:

@@ -159,13 +159,13 @@ def _places(view: View, rest: Change, item: Item) -> _Places:
     options = [(*rest, replace(item, box=box)) for box in dear]
     items = [change[-1] for change in free_of_clashes(view, options)]
     if not items:
-        return _Places([], View(view.shell, ()).rects, [], np.zeros(0))
+        return _Places([], Rects.of_boxes(()), [], np.zeros(0))
     entries = (0, -1, 1) if item.category in WET else (0,)
     # A bath or shower is entered over its front or over one of its sides.
     items = [item for item in items for _ in entries]
-    rects = View(view.shell, tuple(items)).rects
+    rects = Rects.of_boxes([item.box for item in items])
     zones = _zones(item.category, rects, np.tile(entries, len(items) // len(entries)))
-    standing = View(view.shell, rest).rects
+    standing = Rects.of_boxes([item.box for item in rest])
     cost = _own_cost(view, item.category, items) + [dear[item.box] for item in items]
     for zone, weight in zones:
         short = beyond_walls(zone.corners, view.shell)

@@ -25,7 +25,7 @@ from chord_usd.base.metrics.design import (
     living_rules,
     way_rules,
 )
-from chord_usd.base.metrics.design.rule import Finding, Judged, Rule, judge
+from chord_usd.base.metrics.design.rule import Finding, Judged, Rule, RuleKind, judge
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
 from chord_usd.base.scene.types import WET_KINDS, RoomKind, SceneGraph
 
@@ -59,17 +59,23 @@ class Design:
 
 def judged_room(view: View) -> Iterator[Judged]:
     """A room by the rules of its kind, of a bed and a kitchen in it, and of its dining table."""
-    shell = view.shell
-    rules = ROOM_RULES.get(shell.kind, ())
-    judged = judge((*rules, *EVERY_ROOM), view, shell.room.id, shell.kind, shell.area_m2)
-    if rules or judged.asked:
-        yield judged
-    if shell.kind != "bedroom" and view.of("bed"):
-        yield judge(bedroom_rules.RULES, view, shell.room.id, "bedroom", shell.area_m2)
-    if shell.kind != "kitchen" and view.of("sink_cabinet") and view.of("cooker_cabinet"):
-        yield judge(kitchen_rules.RULES, view, shell.room.id, "kitchen", max(shell.area_m2, 8.0))
+    for rules, kind, area_m2 in rules_of(view):
+        judged = judge(rules, view, view.shell.room.id, kind, area_m2)
+        if kind in ROOM_RULES or judged.asked:
+            yield judged
+
+
+def rules_of(view: View) -> Iterator[tuple[Sequence[Rule[View]], RuleKind, float]]:
+    """The rules of a room, of a bed and a kitchen in it, and of its dining table, each with the
+    kind and the area in m² that they are asked of."""
+    kind, area_m2 = view.shell.kind, view.shell.area_m2
+    yield (*ROOM_RULES.get(kind, ()), *EVERY_ROOM), kind, area_m2
+    if kind != "bedroom" and view.of("bed"):
+        yield bedroom_rules.RULES, "bedroom", area_m2
+    if kind != "kitchen" and view.of("sink_cabinet") and view.of("cooker_cabinet"):
+        yield kitchen_rules.RULES, "kitchen", max(area_m2, 8.0)
     if view.of("dining_table"):
-        yield judge(dining_rules.RULES, view, shell.room.id, "dining table", shell.area_m2)
+        yield dining_rules.RULES, "dining table", area_m2
 
 
 def judged_home(view: HomeView) -> Judged:

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from contextvars import ContextVar
@@ -14,8 +15,8 @@ from types import MappingProxyType
 import cv2
 import numpy as np
 
-from chord_usd.base.metrics.design import judged_home, judged_room
-from chord_usd.base.metrics.design.rule import Rule, judge
+from chord_usd.base.metrics.design import judged_home, rules_of
+from chord_usd.base.metrics.design.rule import Rule, broken_weight, judge
 from chord_usd.base.metrics.design.shell import CELL_M, TOUCH_M, Shell, inside
 from chord_usd.base.metrics.design.shut_leaves import before_leaves, before_walls
 from chord_usd.base.metrics.design.view import HomeView, View, distances, view_home
@@ -43,17 +44,37 @@ _PART_M2 = 0.1
 """Smaller parts of it, without the 10 cm at their edges, are no floor that is missed."""
 
 
-def broken_share(view: View) -> float:
+def broken_share(view: View, most: float = math.inf) -> float:
     """Share of the rules that a room breaks, by weight; its dining table's are among them. Clauses
-    of a standard that the home is planned to cost more."""
-    judged = list(judged_room(view))
-    weight = sum(verdict.weight for verdict in judged)
-    broken = 1.0 - sum(verdict.won for verdict in judged) / weight if weight else 0.0
-    shell = view.shell
+    of a standard that the home is planned to cost more.
+
+    most: where the share is above this, any larger value may come back, sooner.
+    """
+    broken, shell = _broken_share(view, most), view.shell
     if clauses := CLAUSES.get().get(shell.kind):
         kept = judge(clauses, view, shell.room.id, shell.kind, shell.area_m2)
         broken += STANDARD * (1.0 - kept.share)
     return broken
+
+
+def _broken_share(view: View, most: float) -> float:
+    if not math.isfinite(most):
+        return view.once(_whole_share)
+    sets = list(rules_of(view))
+    bound = most * sum(rule.weight for rules, _, _ in sets for rule in rules)
+    broken, asked = 0.0, 0.0
+    for rules, _, area_m2 in sets:
+        more, of = broken_weight(rules, view, area_m2, bound - broken)
+        broken, asked = broken + more, asked + of
+        if broken > bound:
+            return math.inf
+    return broken / asked if asked else 0.0
+
+
+def _whole_share(view: View) -> float:
+    weights = [broken_weight(rules, view, area_m2) for rules, _, area_m2 in rules_of(view)]
+    broken, asked = map(sum, zip(*weights, strict=True))
+    return broken / asked if asked else 0.0
 
 
 def home_price(home: HomeView) -> float:
@@ -124,12 +145,13 @@ def beyond_walls(corners: FloatArray, shell: Shell) -> FloatArray:
     return farthest
 
 
-def quick_price(view: View, faults: int | None = None) -> float:
+def quick_price(view: View, faults: int | None = None, most: float = math.inf) -> float:
     """The price of a draft by its rules and the estimate of its faults.
 
-    faults: of tight, where it is known.
+    faults: of tight, where it is known. most: as broken_share takes it, of the whole price.
     """
-    return broken_share(view) + TIGHT * (tight(view) if faults is None else faults)
+    wrong = TIGHT * (tight(view) if faults is None else faults)
+    return broken_share(view, most - wrong) + wrong
 
 
 def room_prices(graph: SceneGraph, faults: Mapping[str, float]) -> dict[str, float]:

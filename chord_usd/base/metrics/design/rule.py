@@ -11,6 +11,8 @@ from chord_usd.base.metrics.design.view import HomeView, Point, View
 from chord_usd.base.scene.types import RoomKind
 
 Seen = TypeVar("Seen", View, HomeView)
+RuleKind = RoomKind | Literal["dining table", "home"]
+"""What rules are asked of."""
 Unit = Literal["m", "count", "deg", "share", "m2"]
 
 ROUNDING = {"m": 0.02, "count": 0.0, "deg": 0.5, "share": 0.0, "m2": 0.5}
@@ -111,7 +113,7 @@ class Judged:
 
     place: str
     """Id of the room; empty for the home."""
-    kind: RoomKind | Literal["dining table", "home"]
+    kind: RuleKind
     kept: tuple[str, ...]
     """Names of rules."""
     findings: tuple[Finding, ...]
@@ -142,7 +144,7 @@ def judge(
     rules: Iterable[Rule[Seen]],
     seen: Seen,
     place: str,
-    kind: RoomKind | Literal["dining table", "home"],
+    kind: RuleKind,
     area_m2: float,
 ) -> Judged:
     """A room or home by these rules."""
@@ -166,6 +168,25 @@ def judge(
             won += rule.weight
             kept.append(rule.name)
     return Judged(place, kind, tuple(kept), tuple(findings), won, asked)
+
+
+def broken_weight(
+    rules: Iterable[Rule[Seen]], seen: Seen, area_m2: float, most: float = math.inf
+) -> tuple[float, float]:
+    """Weights of the rules that are broken, and of those that are asked, as judge counts them.
+
+    most: no rule is asked any more once this much is broken.
+    """
+    broken, asked = 0.0, 0.0
+    for rule in rules:
+        if not rule.from_m2 <= area_m2 < rule.below_m2:
+            continue
+        kept = [rule.keeps(value.have) for value in rule.measure(seen)]
+        asked += rule.weight * bool(kept)
+        broken += rule.weight * (not all(kept))
+        if broken > most:
+            break
+    return broken, asked
 
 
 def flag(is_broken: bool, at: Point, *items: str) -> Measured:

@@ -38,6 +38,8 @@ APART_M = 0.001
 """New pieces reach no deeper into others: more is an overlap (metrics.overlap)."""
 CELL_M, _MARGIN_M = 0.05, 0.3
 """Of rasters of a room's floor."""
+_OBLIQUE = 1e-9
+"""Share of a side along the other axis from which it is oblique."""
 _BEHIND_M = 0.3
 """A walker who stands so near to a way has passed it."""
 _REACH_M = 0.1
@@ -75,10 +77,24 @@ class Rects:
         corners: FloatArray = self.at[:, None] + np.stack(steps, axis=1)
         return corners
 
+    @cached_property
+    def bounds(self) -> tuple[FloatArray, FloatArray] | None:
+        """(N, 2) lowest and (N, 2) highest coordinates; None where sides are oblique."""
+        along = np.abs(self.right)
+        if len(along) and along.min(axis=1).max() > _OBLIQUE:
+            return None
+        half = np.where(along[:, :1] > 0.5, self.half, self.half[:, ::-1])
+        return self.at - half, self.at + half
+
     def depths(self, others: Rects) -> FloatArray:
         """(N, M) how deep each reaches into each of others along the axes of both: the least move
         that parts them; 0 where they are apart."""
-        deep = np.minimum(self._into(others), others._into(self).T)
+        if self.bounds and others.bounds:  # in most rooms, and ten times as fast
+            (low, high), (other_low, other_high) = self.bounds, others.bounds
+            reach = np.minimum(high[:, None] - other_low, other_high - low[:, None])
+            deep = np.minimum(reach[..., 0], reach[..., 1])
+        else:
+            deep = np.minimum(self._into(others), others._into(self).T)
         depths: FloatArray = np.maximum(deep, 0.0)
         return depths
 
@@ -267,6 +283,12 @@ class Shell:
         arrays = ([getattr(floor, name) for floor in floors] for name in
                   ("at", "right", "front", "half"))  # fmt: skip
         return Rects(*(np.concatenate(parts) if parts else empty for parts in arrays))
+
+    @cached_property
+    def middle(self) -> tuple[float, float]:
+        """A point of its floor, near the middle."""
+        point = room_polygon(self.room).representative_point()
+        return float(point.x), float(point.y)
 
     @cached_property
     def ground(self) -> Ground:

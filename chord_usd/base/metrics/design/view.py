@@ -6,6 +6,7 @@ Lengths are metres; a piece's own axes are u to its right and v to its front, fr
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -17,7 +18,7 @@ from chord_usd.base.metrics.design.screens import Screen, planned_screen
 from chord_usd.base.metrics.design.shell import TOUCH_M, Hole, Rects, Shell, shells
 from chord_usd.base.metrics.fronts import SWINGS_M
 from chord_usd.base.metrics.walk import entrance
-from chord_usd.base.scene.geometry import footprint, room_polygon
+from chord_usd.base.scene.geometry import footprint
 from chord_usd.base.scene.palette import having
 from chord_usd.base.scene.types import BoolArray, Box, FloatArray, Item, Opening, Room, SceneGraph
 
@@ -29,6 +30,8 @@ WALL_TOUCH_M = 0.03
 
 FLAT = having("panel")
 """Panels: they take no floor."""
+_ENDS = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+"""Corners at the ends of the sides of a footprint."""
 _HEAD_M = 1.4
 """What hangs above this takes no floor."""
 
@@ -51,23 +54,17 @@ class View:
 
     def __post_init__(self) -> None:
         """Arrays of what rules measure."""
-        boxes = [item.box for item in self.items]
+        rows = np.array([_measures(item.box) for item in self.items]).reshape(-1, 19)
         self.categories = [item.category for item in self.items]
-        self.at = np.array([box.center_m[:2] for box in boxes]).reshape(-1, 2)
-        sizes = np.array([box.size_m for box in boxes]).reshape(-1, 3)
-        self.length, self.depth, self.height = sizes.T
-        self.yaw = np.array([box.yaw_deg for box in boxes])
-        turn = np.radians(self.yaw)
-        self.right = np.stack([np.cos(turn), np.sin(turn)], axis=-1).reshape(-1, 2)
-        self.front = np.stack([np.sin(turn), -np.cos(turn)], axis=-1).reshape(-1, 2)
-        self.corners = np.array([footprint(box) for box in boxes]).reshape(-1, 4, 2)
-        self.edges = np.stack([self.corners, np.roll(self.corners, -1, axis=1)], axis=2)
-        base = np.array([box.center_m[2] for box in boxes])
+        self.at, base, (self.length, self.depth, self.height), self.yaw = (
+            rows[:, :2], rows[:, 2], rows[:, 3:6].T, rows[:, 6],
+        )  # fmt: skip
+        self.right, self.front = rows[:, 7:9], rows[:, 9:11]
+        self.corners = rows[:, 11:].reshape(-1, 4, 2)
+        self.edges = self.corners[:, _ENDS]
         flat = np.array([name in FLAT for name in self.categories], np.bool_)
         self.stands: BoolArray = ~flat & (base < _HEAD_M)
-        self.rects = Rects(
-            self.at, self.right, self.front, np.stack([self.length, self.depth], axis=-1) / 2
-        )
+        self.rects = Rects(self.at, self.right, self.front, rows[:, 3:5] / 2)
         self._segments = np.concatenate([self.edges.reshape(-1, 2, 2), self.shell.walls])
 
     @cached_property
@@ -91,13 +88,22 @@ class View:
 
     def of(self, *categories: str) -> list[int]:
         """Numbers of the pieces of these categories."""
-        return [at for at, name in enumerate(self.categories) if name in categories]
+        if len(categories) == 1:
+            return list(self._numbers.get(categories[0], ()))
+        return sorted(at for name in {*categories} for at in self._numbers.get(name, ()))
 
     @cached_property
+    def _numbers(self) -> dict[str, list[int]]:
+        """Numbers of the pieces by category."""
+        numbers: dict[str, list[int]] = {}
+        for at, name in enumerate(self.categories):
+            numbers.setdefault(name, []).append(at)
+        return numbers
+
+    @property
     def middle(self) -> Point:
         """Of the room."""
-        point = room_polygon(self.shell.room).representative_point()
-        return float(point.x), float(point.y)
+        return self.shell.middle
 
     def point(self, at: int, u: float = 0.0, v: float = 0.0) -> Point:
         """In the world, of a place in a piece's frame."""
@@ -279,6 +285,15 @@ class View:
     def screen(self) -> Box | None:
         """Where a television may hang before the sofa, or else the bed."""
         return planned_screen(self)
+
+
+@lru_cache(maxsize=20_000)  # drafts of a room hold mostly the same pieces
+def _measures(box: Box) -> tuple[float, ...]:
+    """Middle, foot, size and yaw, its axes to the right and to the front, and its corners."""
+    turn = math.radians(box.yaw_deg)
+    right, front = (math.cos(turn), math.sin(turn)), (math.sin(turn), -math.cos(turn))
+    corners = footprint(box).ravel().tolist()
+    return (*box.center_m, *box.size_m, box.yaw_deg, *right, *front, *corners)
 
 
 def _spread(low: float, high: float, count: int) -> FloatArray:
