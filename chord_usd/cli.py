@@ -15,11 +15,12 @@ import traceback
 import warnings
 from collections.abc import Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from chord_usd import __version__
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime import interrupts
+from chord_usd.base.terms import VARIABLE, surface, wording_for
 
 if TYPE_CHECKING:
     from chord_usd.faces.commands.common import Outcome, Parser
@@ -52,6 +53,11 @@ LONGEST_ERROR = 600
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line; returns the exit code."""
+    with wording_for(surface() if VARIABLE in os.environ else "command"):
+        return _main(arguments)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     stay_offline()
     keep_caches()
@@ -75,7 +81,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return hidden.code
         if "--debug" in words:
             traceback.print_exc()
-        sys.stderr.write(f"error: {_sentence(error)}\n")
+        fields = _fields_of(error)
+        if surface() in ("page", "agent", "panel") and "--progress" in words:
+            sys.stderr.write(json.dumps({"error": fields}) + "\n")
+        sys.stderr.write(f"error: {fields['sentence']}\n")
         return UNUSABLE
     finally:
         if arguments is None:
@@ -158,22 +167,20 @@ def _tell(outcome: Outcome, *, as_json: bool) -> None:
     sys.stdout.flush()
 
 
-def _sentence(error: Exception) -> str:
-    """One line that says what, where, expected and what to try."""
+def _fields_of(error: Exception) -> dict[str, Any]:
+    """An error as JSON; its sentence, of one line, says what, where, expected and what to try."""
     if isinstance(error, ImportError):
         error = missing_extra(error, "this verb") or error
-    if isinstance(error, ChordError):
-        sentence = str(error)
-    elif isinstance(error, OSError) and error.filename:
+    if isinstance(error, OSError) and error.filename:
         reason = (error.strerror or "cannot be opened").lower()
-        sentence = str(ChordError(reason, where=str(error.filename), try_="check the path"))
-    else:
-        sentence = (
-            f"unexpected {type(error).__name__}: {_short(str(error))}. "
-            "Try: the same command with --debug, and report what it shows"
-        )
+        error = ChordError(reason, where=str(error.filename), try_="check the path")
+    elif not isinstance(error, ChordError):
+        what = f"unexpected {type(error).__name__}: {_short(str(error))}"
+        error = ChordError(what, try_="<debug>")
+    fields = error.as_json()
     # Users know nothing of the hidden folders in which their outputs are made.
-    return _short(_HIDDEN.sub("", " ".join(sentence.split())))
+    fields["sentence"] = _short(_HIDDEN.sub("", " ".join(fields["sentence"].split())))
+    return fields
 
 
 _HIDDEN = re.compile(r"\.chord-usd-\w+/(?:new/)?")

@@ -185,7 +185,8 @@ def _answer(command: Sequence[str], words: Sequence[str]) -> subprocess.Complete
 def clean_environment(environment: Mapping[str, str]) -> dict[str, str]:
     """The environment without what belongs to Blender's own Python.
 
-    What the program says is UTF-8, whatever the system's own encoding: paths have all letters.
+    What the program says is in the panel's terms, and UTF-8, whatever the system's own encoding:
+    paths have all letters.
     """
     kept = {name: value for name, value in environment.items() if name not in _OF_BLENDER}
-    return {**kept, "PYTHONUTF8": "1"}
+    return {**kept, "PYTHONUTF8": "1", "CHORD_USD_SURFACE": "panel"}

@@ -44,7 +44,7 @@ _GENERATOR = (
 _CATEGORY_FACTS = ("name", "wikidata", "kg_per_m3")
 """Columns of categories.tsv that components state; a change of the others keeps drawn assets."""
 
-_REBUILD = "chord-usd assets build -o FOLDER"
+_REBUILD = "<assets build>"
 
 _LONGEST_M = 1000.0
 
@@ -137,7 +137,7 @@ class AssetDatabase:
             raise AssetError(
                 f"the mesh database holds nothing of the category '{name}'",
                 expected="at least one asset of every category in use",
-                try_="--assets FOLDER with such an asset",
+                try_="<asset_folders> with such an asset",
             )
         suiting = tuple(a for a in candidates if ("no_screen" in a.tags) == is_screenless)
         candidates = suiting or candidates

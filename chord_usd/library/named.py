@@ -15,7 +15,7 @@ from chord_usd.base.runtime.stages import open_layer
 from chord_usd.base.scene.types import Asset, Item, SceneGraph
 from chord_usd.library.database import INDEX_NAME, AssetDatabase, embedded_assets
 
-_EXPECTED = "a USD layer in the scene's folder, or in a folder given with --assets"
+_EXPECTED = "a USD layer in the scene's folder, or in a folder of further meshes"
 
 
 def with_found_assets(
@@ -81,7 +81,10 @@ def _require_inside(place: Path, scene: Path, allowed: Sequence[Path]) -> None:
             f"names the asset {place}",
             where=str(scene),
             expected=_EXPECTED,
-            try_=f"--assets {_database_of(place)}, or copy the asset's folder beside the scene",
+            try_=(
+                f"<asset_folders={_database_of(place)}>",
+                "a copy of the asset's folder beside the scene",
+            ),
         )
     if not place.is_file() or place.suffix not in STAGE_SUFFIXES:
         raise AssetError(

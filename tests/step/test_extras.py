@@ -69,7 +69,7 @@ def test_a_cuda_device_without_torch_is_named_or_done_without(
     monkeypatch.setattr(ctypes, "CDLL", lambda _name: None)  # as if there were a driver
     monkeypatch.setitem(sys.modules, "torch", None)
     assert choose_device("auto") == "cpu"
-    with pytest.raises(MissingExtraError, match=r"pip install '\.\[train\]'.*, or --device"):
+    with pytest.raises(MissingExtraError, match=r"pip install '\.\[train\]'.*, or device=cpu"):
         choose_device("cuda")
 
 

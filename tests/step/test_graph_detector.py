@@ -65,7 +65,7 @@ def untrained(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_missing_checkpoint_says_how_to_get_one(tmp_path: Path) -> None:
     for load in (load_item_detector, load_room_segmenter):
-        with pytest.raises(CheckpointError, match="train detector --kind"):
+        with pytest.raises(CheckpointError, match="installing chord-usd again"):
             load(tmp_path / "nowhere")
 
 

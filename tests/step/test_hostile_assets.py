@@ -66,7 +66,7 @@ def test_a_scene_takes_no_asset_from_elsewhere(
         "link to the folder": "link/Block.usda",
     }[how]
     scene = scene_with(staged_graph, name, folder)
-    with pytest.raises(AssetError, match=f"--assets {victim}"):
+    with pytest.raises(AssetError, match=f"asset_folders={victim}"):
         read_scene_file(scene, Settings())
     if how == "link to the file":
         return  # its payload does not lie beside the link

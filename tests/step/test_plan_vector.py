@@ -198,7 +198,7 @@ def test_several_storeys_take_the_largest_and_say_so(tmp_path: Path) -> None:
     with pytest.raises(PlanError, match="part 3 was asked for, but the file holds 2 storeys"):
         read_plan_file(tmp_path / "home.sh3d", part=3)
     write_sweethome(tmp_path / "one.sh3d")
-    with pytest.raises(PlanError, match=r"part 2 was .* holds one storey .* expected no --part"):
+    with pytest.raises(PlanError, match=r"part 2 was .* holds one storey .* expected no part"):
         read_plan_file(tmp_path / "one.sh3d", part=2)
 
 

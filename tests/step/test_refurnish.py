@@ -203,7 +203,7 @@ def test_a_camera_steps_out_of_new_furniture(folder: Path) -> None:
 def test_a_wrong_room_suggests_the_right_one(staged_house: Path) -> None:
     house = read_house(staged_house)
     name = next(iter(house.room_ids))
-    with pytest.raises(StageError, match=rf"has no room.*--room {name}"):
+    with pytest.raises(StageError, match=rf"has no room.*room={name}"):
         house.room(name.lower().replace("_", "-"), staged_house)
 
 

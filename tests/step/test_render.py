@@ -202,7 +202,7 @@ def test_a_stage_without_a_file_is_refused_until_it_comes(house, pictures, tmp_p
     data = texture.read_bytes()
     texture.unlink()
     with pytest.raises(
-        RenderError, match=r"1 file is missing \(.*maps/red\.png\).*--allow-missing"
+        RenderError, match=r"1 file is missing \(.*maps/red\.png\).*copies of them beside it"
     ):
         render_stage(lacking, tmp_path / "pictures", TINY)
     assert not (tmp_path / "pictures").exists()
@@ -325,7 +325,7 @@ def test_cameras_are_read_in_metres(house):
 
 def test_an_unknown_camera_or_room_lists_the_names_there_are(house, tmp_path):
     with pytest.raises(
-        RenderError, match=r"'Bedrom_0'.*one of Bedroom_0, Top.*Try: --camera Bedroom_0"
+        RenderError, match=r"'Bedrom_0'.*one of Bedroom_0, Top.*Try: view=Bedroom_0"
     ):
         render_stage(house, tmp_path, RenderOptions(cameras=("Bedrom_0",)))
     with pytest.raises(RenderError, match=r"room named 'Attic'; expected one of Bedroom_0"):

@@ -409,7 +409,7 @@ def test_a_folder_of_somebody_else_is_no_map(plain: Path, tmp_path: Path) -> Non
 
 def test_a_map_is_written_anew_when_asked(plain: Path, tmp_path: Path) -> None:
     target = exported(plain, tmp_path, "ros")
-    with pytest.raises(OutputError, match="--overwrite"):
+    with pytest.raises(OutputError, match="overwrite=True"):
         exported(plain, tmp_path, "ros")
     assert main(["export", str(plain), "--for", "ros", "-o", str(target), "--overwrite"]) == 0
     names = {file.name for file in target.iterdir() if not file.name.startswith(".")}

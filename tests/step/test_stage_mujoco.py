@@ -458,7 +458,7 @@ def test_a_model_is_written_anew_only_when_asked(tmp_path: Path) -> None:
     path = tmp_path / "stage.usda"
     stage.GetRootLayer().Export(str(path))
     target = exported(path, tmp_path)
-    with pytest.raises(OutputError, match="--overwrite"):
+    with pytest.raises(OutputError, match="overwrite=True"):
         export_stage(path, target, "mujoco")
     assert main(["export", str(path), "--for", "mujoco", "-o", str(target), "--overwrite"]) == 0
     for wrong in (path, tmp_path, tmp_path / "house.xml"):

@@ -120,7 +120,7 @@ def test_without_a_roof_nothing_of_it_is_written(written: Written, tmp_path: Pat
     house = written(tmp_path, "none", 1)
     assert "roof" not in house.read_text().lower()
     with (
-        pytest.raises(RenderError, match=r"has no roof 'hip'.*generate PLAN --roof hip"),
+        pytest.raises(RenderError, match=r"has no roof 'hip'.*generate with roof=hip"),
         lit_stage(house, "", roof="hip"),
     ):
         raise AssertionError

@@ -18,6 +18,7 @@ import pytest
 
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime import resident
+from chord_usd.base.terms import wording_for
 
 pytestmark = pytest.mark.long
 
@@ -211,7 +212,8 @@ def test_a_worker_that_is_killed_at_work(
         worker = threading.Thread(target=take_and_die)
         worker.start()
         if is_refused:
-            with pytest.raises(ChordError, match=r"killed.*--no-worker"):
+            said = pytest.raises(ChordError, match=r"killed.*--no-worker")
+            with wording_for("command"), said:
                 resident.run([verb, "house.usda"])
         else:
             assert resident.run([verb, "plan.json"]) is None

@@ -126,7 +126,7 @@ def test_a_python_runs_the_package() -> None:
 
 def test_blenders_own_python_does_not_leak() -> None:
     kept = clean_environment({"PYTHONHOME": "/blender", "PYTHONPATH": "/addons", "HOME": "/me"})
-    assert kept == {"HOME": "/me", "PYTHONUTF8": "1"}
+    assert kept == {"HOME": "/me", "PYTHONUTF8": "1", "CHORD_USD_SURFACE": "panel"}
 
 
 def test_a_job_reports_progress_and_its_result(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ CODE = sorted(
 )
 
 WINGS: dict[str, tuple[str, ...]] = {
-    "base": ("errors", "runtime", "scene", "raster", "metrics", "places"),
+    "base": ("terms", "errors", "runtime", "scene", "raster", "metrics", "places"),
     "library": ("library",),
     "line": (
         *("plan", "planning", "lists", "layout", "graph", "compose", "arrange", "dressing"),

@@ -115,7 +115,7 @@ def test_a_folder_that_was_one_output_is_replaced_only_where_that_is_asked_for(
             (folder / name).write_text(name)
     assert sorted(everything_in(tmp_path)) == ["out", "out/deep", "out/deep/third"]
     assert not (tmp_path / MANIFEST_FILE).exists()
-    with pytest.raises(OutputError, match="--overwrite"), output_folder(tmp_path / "out"):
+    with pytest.raises(OutputError, match="overwrite=True"), output_folder(tmp_path / "out"):
         pass
 
 

@@ -74,7 +74,7 @@ def test_mixed_takes_every_style_in_turn_and_a_seed_always_the_same() -> None:
     taken = [style_named(MIXED, seed).name for seed in range(100)]
     assert taken == [style_named(MIXED, seed).name for seed in range(100)]
     assert set(taken) == set(STYLES)
-    with pytest.raises(ChordError, match=r"modern, .*japanese, mixed.*--style japanese"):
+    with pytest.raises(ChordError, match=r"modern, .*japanese, mixed.*style=japanese"):
         style_named("japanes", 0)
 
 

@@ -121,5 +121,5 @@ def test_what_is_no_home_is_refused_with_the_way_out():
     plan = Plan(BLOCK.rooms, BLOCK.openings, {"warnings": [f"{NO_HOME}: rooms are named 'Office'"]})
     with pytest.raises(PlanError, match="no home") as refused:
         refuse_no_home(plan, Path("office.png"))
-    assert refused.value.try_ == "--anyway"
+    assert refused.value.suggestions("command") == ("--anyway",)
     refuse_no_home(BLOCK, Path("home.png"))

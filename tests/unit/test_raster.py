@@ -138,7 +138,7 @@ def test_a_house_of_any_size_has_a_scale_that_serves(side_m: float) -> None:
 
 def test_a_plan_in_the_wrong_unit_is_refused() -> None:
     plan = Plan((room("bedroom", [(0, 0), (9e4, 0), (9e4, 9e4), (0, 9e4)]),), ())
-    with pytest.raises(PlanError, match=r"m across.*Try: --scale"):
+    with pytest.raises(PlanError, match=r"m across.*Try: m_per_px"):
         canvas.house_frame(plan)
 
 

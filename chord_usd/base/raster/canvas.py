@@ -113,7 +113,7 @@ def frame_at(plan: Plan, m_per_px: float, margin_px: int = 6) -> PixelFrame:
         raise PlanError(
             f"the plan is {extent_m:.0f} m across",
             expected=f"at most {LARGEST_CANVAS_PX * m_per_px:.0f} m",
-            try_="--scale M_PER_PX, if that is not what it is",
+            try_="<m_per_px>, if that is not what it is",
         )
     return centred((low + high) / 2, m_per_px, size_px)
 

@@ -67,8 +67,8 @@ def read_layout(path: Path, m_per_px: float | None = None) -> LayoutImage:
         raise SceneError(
             "does not say how large its pixels are",
             where=str(path),
-            expected="a layout written by chord-usd layout",
-            try_="--scale M_PER_PX",
+            expected="a layout that this program wrote",
+            try_="<m_per_px>",
         )
     try:
         frame, provenance = read_chunk(described)
@@ -76,14 +76,14 @@ def read_layout(path: Path, m_per_px: float | None = None) -> LayoutImage:
         raise SceneError(
             f"the {TEXT_CHUNK!r} text in the picture is damaged: {error}",
             where=str(path),
-            try_="--scale M_PER_PX",
+            try_="<m_per_px>",
         ) from error
     if frame.height_px != height_px:
         raise SceneError(
             f"was drawn {frame.height_px} pixels high and is {height_px} now",
             where=str(path),
             expected="a layout at the size it was written in",
-            try_="--scale M_PER_PX",
+            try_="<m_per_px>",
         )
     return LayoutImage(rgb, frame, provenance or Provenance())
 
@@ -119,7 +119,7 @@ def _refuse_odd_size(size: tuple[int, int], path: Path) -> None:
             f"is {width_px}×{height_px} pixels",
             where=str(path),
             expected=f"a layout raster of {CANVAS_PX}×{CANVAS_PX}, or a larger square",
-            try_="chord-usd layout plan.png -o layout.png",
+            try_="<layout>",
         )
 
 

@@ -42,8 +42,8 @@ def install_line(extra: str) -> str:
     return f"pip install '.[{extra}]' in a clone of chord-usd"
 
 
-REINSTALL = "pip install --force-reinstall . in a clone of chord-usd"
-"""The command that brings back what ships with the program."""
+REINSTALL = "<reinstall>"
+"""The step that brings back what ships with the program."""
 
 
 @contextmanager
@@ -68,7 +68,7 @@ def missing_extra(error: ImportError, what: str, or_try: str = "") -> MissingExt
     remedy = install_line(extra)
     return MissingExtraError(
         f"{what} needs {package}, which is not installed",
-        try_=f"{remedy}, or {or_try}" if or_try else remedy,
+        try_=(remedy, or_try) if or_try else remedy,
     )
 
 

@@ -200,8 +200,8 @@ def undo(house: Path) -> Change:
         if history.before is None or history.now is None:
             raise StageError(
                 "has no earlier state that is kept", where=str(house),
-                expected="a house that was changed by this version of chord-usd",
-                try_="chord-usd history, which lists what is kept",
+                expected="a house that this version of the program changed",
+                try_="<history>",
             )  # fmt: skip
         _put_back(house, history, history.before)
         return history.now
@@ -385,7 +385,7 @@ def _bring(house: Path, digest: str, target: Path) -> None:
     if not is_whole:
         raise StageError(
             "an earlier state is not whole any more", where=str(kept),
-            expected="the file as it was kept", try_="chord-usd history, for another state",
+            expected="the file as it was kept", try_="<history>",
         )  # fmt: skip
 
 

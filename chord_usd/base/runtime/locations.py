@@ -80,7 +80,7 @@ def checkpoint_folder(name: str) -> Path:
         f"there is no checkpoint {name!r}",
         where=str(folder.parent),
         expected=f"a folder {name} with safetensors weights and a config",
-        try_=f"chord-usd train {name}, or set {CHECKPOINTS_VARIABLE} to a folder that holds it",
+        try_=(f"<train={name}>", f"{CHECKPOINTS_VARIABLE}, set to a folder that holds it"),
     )
 
 
@@ -133,7 +133,7 @@ def _own_checkpoints() -> dict[str, Path]:
         raise CheckpointError(
             "holds no networks",
             where=where,
-            expected="a run of chord-usd train, or folders such as plan2layout",
+            expected="a training run, or folders such as plan2layout",
             try_=unset,
         )
     return named

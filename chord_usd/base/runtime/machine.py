@@ -25,13 +25,13 @@ def machine_error(error: Exception, where: str = "") -> ChordError | None:
         return DiskFullError("the disk is full", where=where, try_=FREE_SPACE)
     if is_out_of_memory(error):
         return ChordError(
-            "out of memory", try_="a machine with more memory, a smaller job, or --device cpu"
+            "out of memory", try_=("a machine with more memory", "a smaller job", "<device=cpu>")
         )
     if any(words in said for words in _LOST_DEVICE):
         return ChordError(
             "the CUDA device can no longer be used",
             where=where,
-            try_="the same command again, or with --device cpu; a training goes on from its state",
+            try_=("the same again", "<device=cpu>; a training goes on from its state"),
         )
     return None
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from chord_usd.base.errors import CheckpointError
+from chord_usd.base.errors import CheckpointError, Steps
 from chord_usd.base.runtime.checksums import check_file, checkpoint_hash
 from chord_usd.base.runtime.locations import cache_folder, shipped_checkpoints
 from chord_usd.base.runtime.offline import refuse_telemetry
@@ -88,7 +88,7 @@ def content_hash(folder: Path) -> str:
     return checkpoint_hash(folder / WEIGHTS_FILE)[:16]
 
 
-def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[Any]]:
+def read_weights(path: Path, try_: Steps) -> dict[str, npt.NDArray[Any]]:
     """Tensors by name, those in eight bits unpacked.
 
     Raises CheckpointError with the remedy try_ where the file is unusable.
@@ -108,7 +108,7 @@ def read_weights(path: Path, try_: str) -> dict[str, npt.NDArray[Any]]:
         ) from error
 
 
-def load_network(folder: Path, try_: str, threads: int = 0) -> Network:
+def load_network(folder: Path, try_: Steps, threads: int = 0) -> Network:
     """The network of a checkpoint folder that has a graph.
 
     try_: remedy to name in errors; threads: 0 takes every core. Raises CheckpointError.
@@ -148,7 +148,7 @@ def _kept(folder: Path) -> Path | None:
 
 
 def load_graph(
-    path: Path, weights: Mapping[str, npt.NDArray[Any]], try_: str, threads: int = 0,
+    path: Path, weights: Mapping[str, npt.NDArray[Any]], try_: Steps, threads: int = 0,
     optimised: Path | None = None,
 ) -> Network:  # fmt: skip
     """A network of a graph file and the tensors that it leaves out, by their names there.

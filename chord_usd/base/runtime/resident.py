@@ -69,7 +69,7 @@ def run(words: Sequence[str]) -> int | None:
             raise ChordError(
                 "the worker process was killed",
                 where=words[0],
-                try_=f"look at the house, then run the command again with {OPTION}",
+                try_=("a look at the house", "the command again with <no_worker>"),
             )
     return None
 

@@ -215,7 +215,7 @@ def _require_file(path: Path) -> None:
             what = "is no regular file" if path.exists() else "there is no such file"
     except (OSError, ValueError) as error:
         what = reason_of(error) if isinstance(error, OSError) else str(error)
-    try_ = f"chord-usd generate PLAN -o {path.name}"
+    try_ = f"<generate=-o {path.name}>"
     raise StageError(what, where=str(path), expected=EXPECTED, try_=try_)
 
 
@@ -224,7 +224,7 @@ def _not_a_stage(path: Path) -> StageError:
         "cannot be opened as a stage",
         where=str(path),
         expected=EXPECTED,
-        try_=f"chord-usd generate PLAN -o {path.name}",
+        try_=f"<generate=-o {path.name}>",
     )
 
 

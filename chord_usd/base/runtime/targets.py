@@ -87,12 +87,10 @@ def refuse_folder(folder: Path, mode: FolderMode) -> None:
     ours = mode == "new" and manifest.is_of_a_whole_folder
     raise OutputError(
         f"holds {_listed(there)}"
-        + ("" if ours else ", which chord-usd did not write as one output"),
+        + ("" if ours else ", which this program did not write as one output"),
         where=str(folder),
         expected="an empty folder, or none yet",
-        try_="--overwrite, which replaces what chord-usd wrote there, or another -o"
-        if ours
-        else "another -o",
+        try_=("<overwrite>", "another <output>") if ours else "another <output>",
     )
 
 
@@ -119,7 +117,7 @@ def output_error(error: OSError, target: Path) -> OutputError:
         f"cannot be written ({reason_of(error)})",
         where=str(target),
         expected="a path in a writable folder",
-        try_="another -o path",
+        try_="another <output> path",
     )
 
 

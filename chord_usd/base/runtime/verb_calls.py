@@ -19,9 +19,10 @@ import anyio
 from anyio.abc import ByteReceiveStream, Process
 from anyio.streams.text import TextReceiveStream
 
-from chord_usd.base.errors import ChordError
+from chord_usd.base.errors import ChordError, WordedError
 from chord_usd.base.runtime import resident
 from chord_usd.base.runtime.locations import ROOT_VARIABLE
+from chord_usd.base.terms import VARIABLE
 
 END_S = 10.0
 """How long a verb may take to end after the signal; Blender is the slowest."""
@@ -56,10 +57,12 @@ def require_words(words: Sequence[str]) -> None:
         raise ChordError(what, where=shown[:40], expected=expected)
 
 
-async def run_verb(words: Sequence[str], root: Path, report: ReportProgress) -> Answer:
+async def run_verb(
+    words: Sequence[str], root: Path, report: ReportProgress, surface: str = "agent"
+) -> Answer:
     """One command line, run in root, which is all of the disk that stages may refer to.
 
-    Raises ChordError with the verb's own sentence.
+    surface: whose terms messages are worded in. Raises ChordError with the verb's own sentence.
     """
     require_words(words)
     # -P: no file in the root replaces a module.
@@ -68,7 +71,7 @@ async def run_verb(words: Sequence[str], root: Path, report: ReportProgress) -> 
         command,
         stdin=subprocess.DEVNULL,
         cwd=root,
-        env={**os.environ, ROOT_VARIABLE: str(root), resident.VARIABLE: "0"},
+        env={**os.environ, ROOT_VARIABLE: str(root), resident.VARIABLE: "0", VARIABLE: surface},
     )
     assert process.stdout is not None
     assert process.stderr is not None
@@ -89,10 +92,12 @@ async def run_verb(words: Sequence[str], root: Path, report: ReportProgress) -> 
 
 
 def answer_of(verb: str, code: int, answer: str, said: Sequence[str]) -> Answer:
-    """The answer of a verb that ended with a code. Raises ChordError with its own sentence."""
+    """The answer of a verb that ended with a code. Raises its error, as it was worded there."""
     if code not in (0, 1):
         errors = [line.removeprefix("error: ") for line in said if line.startswith("error: ")]
-        raise ChordError(errors[-1] if errors else f"chord-usd {verb} broke off (code {code})")
+        worded = [json.loads(line)["error"] for line in said if line.startswith('{"error"')]
+        sentence = errors[-1] if errors else f"{verb} broke off (code {code})"
+        raise WordedError({"sentence": sentence, **(worded[-1] if worded else {})})
     return Answer(json.loads(answer), code == 0)
 
 
@@ -107,7 +112,7 @@ async def _follow(stream: ByteReceiveStream, report: ReportProgress, said: list[
     async for part in TextReceiveStream(stream, errors="replace"):
         *lines, rest = (rest + part).split("\n")
         for line in lines:
-            if line.startswith("{"):
+            if line.startswith('{"step"'):
                 step = json.loads(line)
                 await report(step["step"], step["done"], step["total"])
             else:

@@ -26,6 +26,7 @@ from chord_usd.base.runtime.verb_calls import (
     require_words,
     run_verb,
 )
+from chord_usd.base.terms import VARIABLE
 
 WARM = ("plan", "generate", "regenerate", "edit", "check", "assets", "export")
 """Verbs that are run here; Blender, and what is asked for seldom, gets a process of its own."""
@@ -51,7 +52,7 @@ class WarmVerbs:
         """One command line, run in root. Raises ChordError with the verb's own sentence."""
         require_words(words)
         if words[0] not in WARM or self._busy.locked():
-            return await run_verb(words, root, report)
+            return await run_verb(words, root, report, "page")
         async with self._busy:
             process = await self._started(root)
             self._calls += 1
@@ -86,7 +87,7 @@ class WarmVerbs:
             self._process = await asyncio.create_subprocess_exec(
                 sys.executable, "-P", "-m", "chord_usd.faces.standby",
                 stdin=PIPE, stdout=PIPE, stderr=PIPE, limit=MOST_BYTES, cwd=root,
-                env={**os.environ, ROOT_VARIABLE: str(root)},
+                env={**os.environ, ROOT_VARIABLE: str(root), VARIABLE: "page"},
             )  # fmt: skip
         return self._process
 
@@ -133,7 +134,7 @@ async def _run(
         await process.stdin.drain()
     async for raw in process.stderr:
         text = raw.decode(errors="replace").rstrip("\n")
-        if not text.startswith("{"):
+        if not text.startswith('{"step"') and not text.startswith('{"over"'):
             said.append(text)
             continue
         step = json.loads(text)

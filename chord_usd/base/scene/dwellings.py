@@ -36,7 +36,7 @@ def only_dwelling(plan: Plan, number: int) -> Plan:
         count = len({dwelling_of(room) for room in plan.rooms} - {0})
         raise PlanError(
             f"dwelling {number} was asked for, but the plan shows {count}",
-            expected=f"--dwelling 1 to {count}" if count > 1 else "no --dwelling",
+            expected=f"<dwelling> from 1 to {count}" if count > 1 else "no <dwelling>",
         )
     kept = {room.id for room in rooms}
     openings = [

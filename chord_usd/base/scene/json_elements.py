@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from chord_usd.base.errors import ChordError
+from chord_usd.base.errors import ChordError, Steps
 from chord_usd.base.scene.units import cm_from_m, m_from_cm
 
 LARGEST_LENGTH_M = 1000.0
@@ -61,7 +61,7 @@ class Element:
             raise self.error(f"is {_type_name(data)}", expected="a JSON object")
         self._data: dict[str, Any] = data
 
-    def error(self, what: str, expected: str = "", try_: str = "") -> ChordError:
+    def error(self, what: str, expected: str = "", try_: Steps = "") -> ChordError:
         return self._error(what, where=self._where, expected=expected, try_=try_)
 
     def keys(self) -> set[str]:

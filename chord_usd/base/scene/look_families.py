@@ -95,7 +95,7 @@ class Family:
                     f"{name} of {self.name} is {str(value)[:40]!r}",
                     where=where,
                     expected=parameter.expected(),
-                    try_=f"chord-usd looks show {self.name}",
+                    try_=f"<looks show={self.name}>",
                 ) from None
         return chosen
 
@@ -129,7 +129,7 @@ def family_named(name: str, families: Mapping[str, Family] | None = None) -> Fam
         raise AssetError(
             f"there is no family of looks '{name[:40]}'",
             expected=f"one of {', '.join(families)}",
-            try_=near[0] if near else "chord-usd looks list",
+            try_=near[0] if near else "<looks list>",
         )
     return families[name]
 

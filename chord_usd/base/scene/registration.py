@@ -92,7 +92,7 @@ def register(
                 f"below{hint}",
                 where=where,
                 expected="storeys of one house, at one scale, north alike",
-                try_="a stair on both plans (docs/plans.md), or the right --scale",
+                try_=("a stair on both plans (docs/plans.md)", "the right <m_per_px>"),
             )
     return _refused_unless_carried(best, where)
 

@@ -73,7 +73,9 @@ class Option:
 
 
 def _refused(name: str, value: object, expected: str) -> ChordError:
-    return ChordError(f"cannot be {repr(value)[:30]}", where=name, expected=expected)
+    return ChordError(
+        f"cannot be {repr(value)[:30]}", where=f"<{name}>", value=value, expected=expected
+    )
 
 
 def _row(default: Any, help: str, label: str = "", word: str = "", **more: Any) -> Any:

@@ -109,8 +109,8 @@ def sky_named(name: str) -> Sky:
     if file.suffix.lower() not in PICTURE_SUFFIXES:
         near = get_close_matches(name, names, n=1)
         raise ChordError(
-            f"there is no sky {name!r}", where="--sky", expected=expected,
-            try_=f"--sky {near[0]}" if near else "",
+            f"there is no sky {name!r}", where="<sky>", value=name, expected=expected,
+            try_=f"<sky={near[0]}>" if near else "",
         )  # fmt: skip
     refuse_odd_file(file)
     return Sky(file.stem, "day", "", file.name, OWN_SKY_RADIANCE, None, math.nan, file=file)

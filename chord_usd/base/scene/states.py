@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from chord_usd.base.errors import ChordError
 
-WHERE = "--state"
+WHERE = "<state>"
 
 OPENED: dict[str, float] = {
     "open": 1.0, "half open": 0.5, "ajar": 1.0 / 6.0, "closed": 0.0, "shut": 0.0

@@ -181,8 +181,9 @@ def style_named(name: str, seed: int) -> HomeStyle:
         near = get_close_matches(name[:40], (*STYLES, MIXED), n=1)
         raise ChordError(
             f"there is no style '{name[:40]}'",
-            where="--style",
+            where="<style>",
+            value=name,
             expected=f"one of {', '.join((*STYLES, MIXED))}",
-            try_=f"--style {near[0]}" if near else "",
+            try_=f"<style={near[0]}>" if near else "",
         )
     return STYLES[name]

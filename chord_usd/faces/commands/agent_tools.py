@@ -302,7 +302,7 @@ def _told_as_tools_do() -> Iterator[None]:
     try:
         yield
     except ChordError as error:
-        raise ToolError(str(error)) from error
+        raise ToolError(error.sentence("agent")) from error
 
 
 @contextmanager

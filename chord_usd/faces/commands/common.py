@@ -97,7 +97,7 @@ class Parser(argparse.ArgumentParser):
         return super()._get_values(action, arg_strings)  # type: ignore[misc]
 
     def error(self, message: str) -> NoReturn:
-        raise UsageError(message.replace("\n", " "), try_=f"{self.prog} --help")
+        raise UsageError(message.replace("\n", " "), try_=f"<help={self.prog}>")
 
 
 _SubParsers = argparse._SubParsersAction

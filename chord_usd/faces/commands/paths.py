@@ -23,10 +23,18 @@ from chord_usd.base.runtime.targets import (
     refuse_folder,
     refuse_full_disk,
 )
+from chord_usd.base.terms import surface, without_options
 
 
 class UsageError(ChordError):
     """The command line cannot be understood."""
+
+    code = "usage"
+
+    def sentence(self, to: str = "") -> str:
+        """As the command line says it; other surfaces have other names for its options."""
+        said, to = super().sentence(to), to or surface()
+        return said if to == "command" else without_options(said, to)
 
 
 def output_file(text: str) -> Path:

@@ -145,9 +145,7 @@ def tasks_of(folder: Path) -> tuple[list[str], list[dict[str, Any]]]:
             for number, line in read_lines(files[1], RenderError)
         ]
     except (OSError, LookupError, TypeError, ValueError) as error:
-        raise RenderError(
-            "is no bundle", where=str(folder), try_="chord-usd farm bundle STAGE -o FOLDER"
-        ) from error
+        raise RenderError("is no bundle", where=str(folder), try_="<farm bundle>") from error
     return words, tasks
 
 
@@ -260,7 +258,7 @@ def _check(work: Work) -> None:
             f"points to {outside[0] if outside else linked}",
             where=str(work.stage),
             expected="a stage whose files lie in its own folder, so that it can travel",
-            try_="chord-usd export, which packs a stage into one file",
+            try_="<export>",
         )
     taken = {root / EXTRA_FOLDER / file.name for file in work.extra}.intersection(_files(work))
     if taken:

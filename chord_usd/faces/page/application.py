@@ -32,7 +32,6 @@ from chord_usd.faces.page.piece_edits import read_edits, write_edits
 from chord_usd.faces.page.swapped_models import OFFERED, is_name
 from chord_usd.faces.page.uploads import (
     PLAN_SUFFIXES,
-    UploadError,
     plan_suffix,
     receive,
     refuse_full_disk,
@@ -92,24 +91,21 @@ def make_application(
     )
 
 
+_STATUS = {NotThereError: 404, ChangedError: 409, DiskFullError: 507, BusyError: 503}
+"""Of HTTP, by the kind of error; UploadError has its own."""
+
+
 def told(answer: Answered) -> Answered:
     """The same, with errors as sentences and the status that fits."""
 
     async def telling(request: Request) -> Response:
         try:
             return await answer(request)
-        except NotThereError as error:
-            return refused(str(error), 404)
-        except ChangedError as error:
-            return refused(str(error), 409)
-        except UploadError as error:
-            return refused(str(error), error.status)
-        except DiskFullError as error:
-            return refused(str(error), 507)
-        except BusyError as error:
-            return refused(str(error), 503, {"retry-after": "60"})
         except ChordError as error:
-            return refused(str(error), 400)
+            kinds = (kind for kind in _STATUS if isinstance(error, kind))
+            status = getattr(error, "status", _STATUS.get(next(kinds, ChordError), 400))
+            more = {"retry-after": "60"} if status == 503 else None
+            return refused(error.sentence("page"), status, more)
         except ClientDisconnect:
             return Response(status_code=400)
 

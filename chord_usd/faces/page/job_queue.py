@@ -49,6 +49,8 @@ class Job:
     done: int = 0
     total: int = 1
     error: str = ""
+    code: str = ""
+    """Of the error (ChordError.code)."""
     answer: dict[str, Any] = field(default_factory=dict)
 
     def told(self) -> dict[str, Any]:
@@ -169,7 +171,7 @@ class JobQueue:
             if job.state == "running":
                 job.state = "cancelled"
         except ChordError as error:
-            job.state, job.error = "failed", str(error)
+            job.state, job.error, job.code = "failed", error.sentence("page"), error.code
         except Exception as error:  # one job's bug must not end the queue
             job.state, job.error = "failed", f"unexpected {type(error).__name__}: {error}"[:600]
         self._keep(job)

@@ -79,7 +79,7 @@ def _alone(root: Path) -> Iterator[None]:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
         raise OutputError(
-            "another server has this folder", where=str(root), try_="another --root"
+            "another server has this folder", where=str(root), try_="another <root>"
         ) from None
     else:
         yield
@@ -97,9 +97,9 @@ def _listening(host: str, port: int) -> Iterator[socket.socket]:
         except OSError as error:
             raise ChordError(
                 f"cannot listen on {host}:{port} ({reason_of(error)})",
-                where="--port",
+                where="<port>",
                 expected="a free port",
-                try_="--port 0, which takes any",
+                try_="<port=0>, which takes any",
             ) from error
         listener.listen(128)
         yield listener

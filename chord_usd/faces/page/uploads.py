@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import AsyncIterator
 from pathlib import Path, PurePosixPath
 
-from chord_usd.base.errors import ChordError, DiskFullError
+from chord_usd.base.errors import ChordError, DiskFullError, Steps
 
 MOST_BYTES = 64 * 2**20
 """Of a plan. Whatever says that it is larger is refused unread."""
@@ -42,7 +42,7 @@ PLAN_SUFFIXES = tuple(_STARTS)
 class UploadError(ChordError):
     """A file that is not taken; status is HTTP's."""
 
-    def __init__(self, what: str, status: int, *, expected: str = "", try_: str = "") -> None:
+    def __init__(self, what: str, status: int, *, expected: str = "", try_: Steps = "") -> None:
         super().__init__(what, expected=expected, try_=try_)
         self.status = status
 
@@ -79,7 +79,7 @@ def refuse_full_disk(folder: Path) -> None:
         raise DiskFullError(
             f"the disk has {free / 1e6:.0f} MB left",
             expected=f"at least {LEAST_FREE_BYTES / 1e6:.0f} MB",
-            try_="delete houses, or --root on another disk",
+            try_=("deleting houses", "<root> on another disk"),
         )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from chord_usd.base.errors import AssetError
 from chord_usd.base.runtime.progress import Progress
 from chord_usd.base.scene.types import Asset
+from chord_usd.base.terms import worded
 from chord_usd.library.database import INDEX_NAME, read_index, write_index
 from chord_usd.library.libraries.convert import convert, identifier
 from chord_usd.library.libraries.models import Model, Refused, free_name
@@ -74,7 +75,8 @@ def add_library(
 
 
 def _why(error: AssetError) -> str:
-    return f"{error.what}; expected {error.expected}" if error.expected else error.what
+    expected = worded(error.expected)
+    return f"{error.what}; expected {expected}" if expected else error.what
 
 
 def _nothing(path: Path, models: list[Model], added: Added) -> AssetError:

@@ -150,9 +150,9 @@ def load_room_segmenter(folder: Path | None = None) -> RoomSegmenter:
     return RoomSegmenter(_load("rooms", folder))
 
 
-def remedy(kind: Kind) -> str:
+def remedy(kind: Kind) -> tuple[str, str]:
     """How to come by a checkpoint that can be used."""
-    return f"{REINSTALL}, or chord-usd train detector --kind {kind}"
+    return REINSTALL, f"<detector={kind}>"
 
 
 def check_config(kind: Kind, folder: Path) -> None:

@@ -59,7 +59,7 @@ def read_plan(pixels: LayoutPixels, frame: PixelFrame) -> Plan:
         raise SceneError(
             "no closed room was found in the layout",
             expected="floors enclosed by black walls",
-            try_="chord-usd plan draw plan.json -o plan.png shows what a raster looks like",
+            try_="<plan draw>",
         )
     bars: list[tuple[OpeningKind, RotatedBox]] = []
     kinds: tuple[OpeningKind, ...] = ("door", "window")

@@ -110,14 +110,12 @@ def _failure(code: int, said: str) -> RenderError:
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     last = lines[-1] if lines else "it said nothing"
     if code == EXIT_NO_DEVICE:
-        return RenderError(last, where="--device", expected="a device of this machine", try_="cpu")
+        return RenderError(last, where="<device>", expected="a device of this machine", try_="cpu")
     if code == EXIT_UNREADABLE:
-        return RenderError(
-            last, expected="pictures that Blender reads", try_="--allow-missing for plain colours"
-        )
+        return RenderError(last, expected="pictures that Blender reads", try_="<allow_missing>")
     if code < 0:
         return RenderError(
             f"Blender was ended by signal {-code}; its last words: {last}",
             try_="fewer pixels or samples, if memory ran out",
         )
-    return RenderError(f"Blender could not render: {last}", try_="chord-usd check on the stage")
+    return RenderError(f"Blender could not render: {last}", try_="<check>")

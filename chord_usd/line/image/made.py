@@ -41,7 +41,7 @@ def require_files(stage: Path, files: StageFiles) -> None:
             missing_words(missing),
             where=str(stage),
             expected="a stage with all its files",
-            try_="copy them beside it, or --allow-missing for plain colours in their place",
+            try_=("copies of them beside it", "<allow_missing>"),
         )
 
 

@@ -124,29 +124,29 @@ def _check_numbers(options: RenderOptions) -> None:
     if not (4 <= width_px <= 16384 and 4 <= height_px <= 16384):
         raise RenderError(
             f"a picture of {width_px}x{height_px} cannot be rendered",
-            where="--resolution",
+            where="<resolution>",
             expected="4 to 16384 pixels each way, such as 1280x720",
         )
     samples = options.traced.samples
     if not 1 <= samples <= 65536:
-        raise RenderError(f"{samples} samples", where="--samples", expected="1 to 65536")
+        raise RenderError(f"{samples} samples", where="<samples>", expected="1 to 65536")
     if not 0 <= options.seed < 2**31:
-        raise RenderError(f"seed {options.seed}", where="--seed", expected="0 to 2147483647")
+        raise RenderError(f"seed {options.seed}", where="<seed>", expected="0 to 2147483647")
     if not 1 <= options.frames <= 10000:
-        raise RenderError(f"{options.frames} frames", where="--frames", expected="1 to 10000")
+        raise RenderError(f"{options.frames} frames", where="<frames>", expected="1 to 10000")
     count = options.frames if options.turntable else options.walkthrough
     if options.frame is not None and not 0 <= options.frame[0] <= options.frame[1] < count:
         raise RenderError(
             f"frames {options.frame[0]}-{options.frame[1]}",
-            where="--frame",
-            expected=f"0-{count - 1} or fewer" if count else "--walkthrough or --turntable",
+            where="<frame>",
+            expected=f"0-{count - 1} or fewer" if count else "<walkthrough> or <turntable>",
         )
     if options.turntable and options.walkthrough:
-        raise RenderError("a walk and a turntable at once", expected="--walkthrough or --turntable")
+        raise RenderError("a walk and a turntable at once", expected="<walkthrough> or <turntable>")
     if not 0 <= options.walkthrough <= 10000:
         raise RenderError(
             f"a walk of {options.walkthrough} pictures",
-            where="--walkthrough",
+            where="<walkthrough>",
             expected="1 to 10000",
         )
 
@@ -156,58 +156,58 @@ def _check_parts(options: RenderOptions) -> None:
     if options.tile is not None and not 0 <= options.tile[0] < options.tile[1] <= height_px:
         raise RenderError(
             f"there is no tile {options.tile[0]} of {options.tile[1]}",
-            where="--tile",
+            where="<tile>",
             expected="I/N with I from 0 to N-1, and no more tiles than rows of pixels",
         )
     block = options.sample_block
     if block is not None and (not 0 <= block[0] < block[1] or samples % block[1]):
         raise RenderError(
             f"{samples} samples have no block {block[0]} of {block[1]}",
-            where="--sample-block",
+            where="<sample_block>",
             expected="I/N with I from 0 to N-1, and samples that N divides: only equal blocks "
             "average to the picture",
         )
     if "layers" in options.passes and (options.merge or options.part is not None):
         raise RenderError(
-            "layers come in no parts", where="--passes", try_="layers without tiles and blocks"
+            "layers come in no parts", where="<passes>", try_="layers without tiles and blocks"
         )
     if options.merge and options.part is not None:
-        raise RenderError("takes all parts there are", where="--merge", try_="without --tile")
+        raise RenderError("takes all parts there are", where="<merge>", try_="no <tile>")
 
 
 def _check_words(options: RenderOptions) -> None:
     if options.engine not in ENGINES:
         raise RenderError(
             f"unknown engine '{options.engine}'",
-            where="--engine",
+            where="<engine>",
             expected=f"one of {', '.join(ENGINES)}",
         )
     if options.engine == WEB and (options.merge or options.part or "layers" in options.passes):
         raise RenderError(
-            "a browser draws whole pictures, without layers", where="--engine web", try_="cycles"
+            "a browser draws whole pictures, without layers", where="<engine=web>", try_="cycles"
         )
     if options.device not in DEVICES:
         raise RenderError(
             f"unknown device '{options.device}'",
-            where="--device",
+            where="<device>",
             expected=f"one of {', '.join(DEVICES)}",
         )
     if options.denoiser not in (NO_DENOISER, *DENOISERS):
         raise RenderError(
             f"unknown denoiser '{options.denoiser}'",
-            where="--denoiser",
+            where="<denoiser>",
             expected=f"one of {', '.join((NO_DENOISER, *DENOISERS))}",
         )
     if options.label_set not in LABEL_SETS:
         raise RenderError(
             f"unknown label set '{options.label_set}'",
-            where="--label-set",
+            where="<label_set>",
             expected=f"one of {', '.join(LABEL_SETS)}",
         )
     if not options.passes:
-        raise RenderError("no pass", where="--passes", expected=f"some of {', '.join(PASSES)}")
+        raise RenderError("no pass", where="<passes>", expected=f"some of {', '.join(PASSES)}")
     for name in options.passes:
         if name not in PASSES:
             raise RenderError(
-                f"unknown pass '{name}'", where="--passes", expected=f"one of {', '.join(PASSES)}"
+                f"unknown pass '{name}'", where="<passes>", expected=f"one of {', '.join(PASSES)}"
             )

@@ -134,6 +134,6 @@ def _check(path: Path, chosen: Mapping[str, str]) -> str:
                 f"has no {name} '{variant}'",
                 where=str(path),
                 expected=some or "a stage with such variants",
-                try_=f"generate PLAN --roof {variant}" if name == ROOF and not choices else "",
+                try_=f"<roofed={variant}>" if name == ROOF and not choices else "",
             )
     return str(house.GetName())

@@ -242,7 +242,7 @@ def _render(
         )
         if options.engine == WEB:
             if write_glb is None:
-                raise RenderError("the engine web needs write_glb", try_="--engine cycles")
+                raise RenderError("the engine web needs write_glb", try_="<engine=cycles>")
             _draw(run, job, marks, progress, partial(write_glb, run.lit))
         else:
             run_blender(job, _Follower(run, job, marks, progress))
@@ -362,7 +362,7 @@ def _chosen(stage: Path, lit: Path, views: StageViews, options: RenderOptions) -
         chosen = _inside(chosen, options.cameras)
     if not chosen:
         raise RenderError(
-            "no camera fits both --camera and --room" if options.cameras else "no camera there",
+            "no such camera in these rooms" if options.cameras else "no camera there",
             where=f"{stage}, {', '.join(options.rooms)}",
             expected=f"one of {', '.join(camera.name for camera in there)}",
         )
@@ -377,9 +377,9 @@ def _inside(cameras: list[StageCamera], named: Sequence[str]) -> list[StageCamer
         if camera.name in named:
             raise RenderError(
                 f"camera '{camera.name}' sees the house cut open",
-                where="--engine web",
+                where="<engine=web>",
                 expected="cameras in rooms",
-                try_=f"--engine cycles --camera {camera.name}",
+                try_=f"<engine=cycles> <camera={camera.name}>",
             )
     return [camera for camera in cameras if camera not in cut and not camera.orthographic]
 
@@ -392,5 +392,5 @@ def _check_names(stage: Path, what: str, wanted: Sequence[str], there: Sequence[
                 f"has no {what} named '{name}'",
                 where=str(stage),
                 expected=f"one of {', '.join(there)}" if there else "a stage with one",
-                try_=f"--{what} {near[0]}" if near else "",
+                try_=f"<{what}={near[0]}>" if near else "",
             )

@@ -111,7 +111,7 @@ def _division(folder: Path, camera: str) -> Part:
             "has parts of more than one division" if counts else f"has no parts of '{camera}'",
             where=str(folder),
             expected="one set of tiles and sample blocks",
-            try_="--tile 0/2 and --tile 1/2 first" if not counts else "another folder",
+            try_="<tile=0/2> and <tile=1/2> first" if not counts else "another folder",
         )
     ((tiles, blocks),) = counts
     return Part((tiles - 1, tiles), (blocks - 1, blocks))
@@ -132,8 +132,8 @@ def _read_part(path: Path, part: Part) -> _Found:
             what,
             where=str(path),
             expected="a part of a picture",
-            try_=f"--tile {part.tile[0]}/{part.tile[1]} "
-            f"--sample-block {part.block[0]}/{part.block[1]}",
+            try_=f"<tile={part.tile[0]}/{part.tile[1]}> "
+            f"<sample_block={part.block[0]}/{part.block[1]}>",
         ) from error
     if not whole:
         raise RenderError("is damaged", where=str(path), try_="render this part again")

@@ -67,7 +67,7 @@ def walk_cameras(path: Path, count: int) -> tuple[StageCamera, ...]:
             "has no rooms to walk through",
             where=str(path),
             expected="a house that chord-usd wrote",
-            try_="without --walkthrough",
+            try_="no <walkthrough>",
         )
     way_m = _smooth(max((_way(house, d) for d in _FROM_WALL_M), key=_rooms_seen(house)))
     along_m = _along(way_m)
@@ -114,7 +114,7 @@ def _read_house(path: Path) -> _House:
         raise RenderError(
             f"the house has {len(storeys)} storeys, and walkthroughs are not made for these yet",
             where=str(path),
-            expected="a house of one storey, or --camera",
+            expected="a house of one storey",
         )
     stage.Load()
     rooms, doors, items = {}, [], []

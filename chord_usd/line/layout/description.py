@@ -15,7 +15,7 @@ from chord_usd.line.layout.schedule import Step, Walk
 
 CONFIG_FILE = "config.json"
 FORMAT = 1
-REMEDY = "chord-usd train plan2layout, or reinstall chord-usd"
+REMEDY = ("<train=plan2layout>", "<reinstall>")
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,6 @@ def _read_values(folder: Path) -> dict[str, Any]:
             f"checkpoint format {version}",
             where=str(path),
             expected=f"format {FORMAT}",
-            try_="the chord-usd version that wrote it",
+            try_="the version of the program that wrote it",
         )
     return dict(values)

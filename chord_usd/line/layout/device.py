@@ -23,7 +23,9 @@ def choose_device(name: str) -> str:
     Raises ChordError where there is no such device, MissingExtraError where only torch is missing.
     """
     if not re.fullmatch(r"auto|cpu|cuda(:\d{1,3})?", name):
-        raise ChordError("unknown device", where=f"--device {name:.40}", expected="cpu or cuda")
+        raise ChordError(
+            "unknown device", where=f"<device={name:.40}>", value=name, expected="cpu or cuda"
+        )
     if name == "cpu":
         return name
     try:
@@ -36,7 +38,10 @@ def choose_device(name: str) -> str:
         return "cuda" if has_cuda else "cpu"
     if not has_cuda:
         raise ChordError(
-            "no CUDA device here", where=f"--device {name}", try_="--device cpu or --device auto"
+            "no CUDA device here",
+            where=f"<device={name}>",
+            value=name,
+            try_=("<device=cpu>", "<device=auto>"),
         )
     return name
 
@@ -63,7 +68,7 @@ def _has_cuda() -> bool:
         ctypes.CDLL("nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1")
     except OSError:
         return False
-    with needed_for("a CUDA device", "--device cpu"):
+    with needed_for("a CUDA device", "<device=cpu>"):
         import torch
     return torch.cuda.is_available()
 
@@ -89,7 +94,7 @@ def in_batches(
                 raise ChordError(
                     "out of memory with a batch of one",
                     expected="a few hundred MiB free",
-                    try_="--device cpu, or a machine with more memory",
+                    try_=("<device=cpu>", "a machine with more memory"),
                 ) from error
             batch = max(batch // 2, 1)
             if warn:

@@ -28,7 +28,7 @@ def adopt(network: LayoutNetwork, other: LayoutNetwork) -> None:
         raise CheckpointError(
             "the network to start from is built differently",
             expected="the same channels, attention, state and condition",
-            try_="a checkpoint of chord-usd train plan2layout, of its default preset",
+            try_="a checkpoint of <train=plan2layout>, of its default preset",
         )
     weights = other.state_dict()
     for name in ("weight", "bias"):

@@ -27,7 +27,7 @@ GRAPH_INPUTS = (
 GRAPH_OUTPUTS = ("values_drawn", "chances", "there_now")
 STATES, NOW = ("keys", "values_of"), "_now"
 """Further inputs, STATES of each layer, as keys_0; outputs are named keys_0_now."""
-REMEDY = "chord-usd train lists, or reinstall chord-usd"
+REMEDY = ("<train=lists>", "<reinstall>")
 
 
 class Heat(NamedTuple):

@@ -21,7 +21,7 @@ from chord_usd.line.lists.edit_words import (
 from chord_usd.line.lists.speech_acts import acts_of
 
 MOST_CHARACTERS = 1000
-_EXAMPLE = 'chord-usd edit HOUSE "put a plant in bedroom 1, no rug in the hall" --dry-run'
+_EXAMPLE = "<edit=put a plant in bedroom 1, no rug in the hall>"
 
 _LONGEST_ROOM = 5
 _ROOM_WORDS = frozenset((

@@ -103,10 +103,10 @@ def read_pieces(wanted: str | None, excluded: str | None = None) -> Wishes:
 
     Raises ChordError, as all of this module, where a text cannot be understood.
     """
-    wishes = _read(wanted, "--with") if wanted is not None else Wishes()
+    wishes = _read(wanted, "<wish>") if wanted is not None else Wishes()
     if excluded is None:
         return wishes
-    denied = _read(excluded, "--without")
+    denied = _read(excluded, "<without>")
     return Wishes(
         wishes.wanted, (*wishes.excluded, *dict.fromkeys((*denied.wanted, *denied.excluded)))
     )
@@ -114,7 +114,7 @@ def read_pieces(wanted: str | None, excluded: str | None = None) -> Wishes:
 
 def read_furniture(text: str) -> tuple[tuple[str, Wishes], ...]:
     """Wishes by what rooms were called: "ROOM: PIECE, PIECE; ROOM: PIECE"."""
-    where = "--furniture"
+    where = "<furniture>"
     _refuse_odd(text, where)
     read = []
     for part in filter(str.strip, re.split(r"[;；\n]", text)):
@@ -185,7 +185,7 @@ def _piece(words: list[str], where: str) -> tuple[int, Named]:
         are_counts = all(w.isdigit() or w in _COUNTS or w in _ARTICLES for w in before)
         if piece and are_counts and "double" not in before:
             if CATEGORIES[piece.category].rank is None:
-                later = f'chord-usd edit HOUSE "add a {piece.word} to the ROOM"'
+                later = f"<edit=add a {piece.word} to the ROOM>"
                 raise _error(f"'{piece.word}' is in no list", where, "a piece of lists", later)
             return max(counts, default=1), piece
     said = " ".join(words)
@@ -197,7 +197,7 @@ def _piece(words: list[str], where: str) -> tuple[int, Named]:
     raise _error(f"'{said}' is no piece that is known", where, known)
 
 
-def rooms_meant(said: str, rooms: Mapping[str, Room], where: str = "--furniture") -> list[Room]:
+def rooms_meant(said: str, rooms: Mapping[str, Room], where: str = "<furniture>") -> list[Room]:
     """The rooms that a name means, by the names of their prims.
 
     A printed name, a prim's name, a kind with its number from 1, a kind alone (the largest of that

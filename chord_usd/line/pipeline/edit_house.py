@@ -95,7 +95,7 @@ def read_sentence(
     if len(readings) > 1 and not first.understood.answer:
         raise ChordError(
             f"the sentence means something on several storeys: {', '.join(readings)}",
-            where=str(source), expected="one storey", try_=f'--storey "{next(iter(readings))}"',
+            where=str(source), expected="one storey", try_=f'<storey="{next(iter(readings))}">',
         )  # fmt: skip
     if first.understood.answer:
         answers = dict.fromkeys(reading.understood.answer for reading in readings.values())
@@ -127,7 +127,7 @@ def _storey_meant(storeys: Mapping[str, str], said: str) -> str | None:
     names |= {str(number): room for number, room in enumerate(storeys) if len(storeys) > 1}
     if said.lower() not in names:
         raise ChordError(
-            f"has no storey {said!r}", where="--storey",
+            f"has no storey {said!r}", where="<storey>", value=said,
             expected=f"one of {', '.join(storeys.values())}" if names else "a house of several",
         )  # fmt: skip
     return names[said.lower()]
@@ -321,6 +321,12 @@ def _done(before: SceneGraph, work: Work) -> Done:
     return Done(tuple(sorted(now - old)), tuple(sorted(old - now)), tuple(moved))
 
 
+class WorseError(StageError):
+    """An edit would make the house worse; it is done only with force."""
+
+    code = "worse"
+
+
 class _TriedError(ChordError):
     """Ends a dry run before anything is delivered."""
 
@@ -373,7 +379,7 @@ def _worse_planned(house: StagedHouse, after: SceneGraph) -> list[str]:
 
 
 def _refuse_worse(source: Path, edits: Path | None, after: Report, planned: Sequence[str]) -> None:
-    """Raises StageError for an edit after which something is wrong that was not before, neither in
+    """Raises WorseError for an edit after which something is wrong that was not before, neither in
     the house nor in what is seen of it. planned: what is worse planned, in the same way."""
     from chord_usd.line.stage.check.check_stage import check_stage, worse
 
@@ -384,10 +390,10 @@ def _refuse_worse(source: Path, edits: Path | None, after: Report, planned: Sequ
     lost = (*lost, *planned)
     if lost:
         more = f", and {len(lost) - 1} more" if len(lost) > 1 else ""
-        raise StageError(
+        raise WorseError(
             f"the edit makes the house worse: {lost[0]}{more}", where=str(source),
             expected="an edit after which nothing is wrong that was right",
-            try_="another place or piece, or --force",
+            try_=("another place or piece", "<force>"),
         )  # fmt: skip
 
 

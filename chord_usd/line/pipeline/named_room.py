@@ -38,7 +38,7 @@ def named_room(stage: Path, said: str) -> str:
         near = get_close_matches(said, [*rooms, *(room.name for room in rooms.values())], n=1)
         raise StageError(
             error.what, where=error.where, expected=error.expected,
-            try_=f"--room {shlex.quote(near[0])}" if near else "",
+            try_=f"<room={shlex.quote(near[0])}>" if near else "",
         ) from error  # fmt: skip
     same = [room.id for room in rooms.values() if room.name == meant[0].name]
     several = same if len(same) > 1 else [room.id for room in meant]

@@ -223,7 +223,7 @@ def carry_out(
         raise PlanError(
             f"no floor could be planned for {commission.understood or 'this outline'}",
             expected="something like the homes that the model has learned from",
-            try_="another --seed, or fewer wishes",
+            try_=("another <seed>", "fewer wishes"),
         )
     chosen = replace(chosen, plan=with_wished_wet(chosen.plan, commission.wish))
     return Planned(chosen, tuple(tried), commission)

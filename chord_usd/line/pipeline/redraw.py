@@ -227,7 +227,7 @@ class Draw:
                 f"no place was found for: {words}",
                 where=self.asked[room_id].room,
                 expected="what the room has place for",
-                try_="another --seed, or less furniture",
+                try_=("another <seed>", "less furniture"),
             )
 
 

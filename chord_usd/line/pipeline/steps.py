@@ -58,7 +58,7 @@ def refuse_no_home(plan: Plan, plan_file: Path) -> None:
         (warning for warning in plan.extra.get("warnings", ()) if warning.startswith(NO_HOME)), None
     )
     if reason:
-        raise PlanError(reason, where=str(plan_file), expected="a home", try_="--anyway")
+        raise PlanError(reason, where=str(plan_file), expected="a home", try_="<homes_only>")
 
 
 def refuse_shut(plan: Plan, plan_file: Path) -> None:
@@ -68,8 +68,7 @@ def refuse_shut(plan: Plan, plan_file: Path) -> None:
             "has no door that could be found",
             where=str(plan_file),
             expected="at least one door or passage",
-            try_=f"chord-usd plan read {plan_file.name} -o plan.json --overlay look.png "
-            "shows what was read",
+            try_=f"<plan read={plan_file.name}>",
         )
 
 
@@ -169,14 +168,14 @@ def require_lists(settings: Settings) -> None:
     from chord_usd.line.layout.description import read_description
 
     if not settings.lists:
-        raise ChordError("pieces cannot be asked for without lists", expected="no --no-list")
+        raise ChordError("pieces cannot be asked for without lists", expected="no <lists>")
     folder = checkpoint_folder(LAYOUT_CHECKPOINT)
     if not read_description(folder).config.draft:
         raise CheckpointError(
             "the layout model does not see lists, and pieces cannot be asked for without",
             where=str(folder),
             expected="one that was trained with drafts",
-            try_="chord-usd train plan2layout",
+            try_="<train=plan2layout>",
         )
     checkpoint_folder(LISTS_CHECKPOINT)
 

@@ -13,7 +13,7 @@ from chord_usd.base.scene.types import Plan, Room, RoomKind
 from chord_usd.line.plan.labels import KIND_CONFIDENCE
 from chord_usd.line.plan.open_plans import Use, can_share, part_room
 
-_WHERE = "--rooms"
+_WHERE = "<rooms>"
 _EXAMPLE = '"3: bedroom, 5: bathroom"'
 _MOST_CHARACTERS = 4000
 
@@ -112,7 +112,7 @@ def _index(rooms: Sequence[Room], which: str) -> int:
             return index
     raise _error(
         f"there is no room {_shown(which)}", f"1 to {len(rooms)}, or an id such as {rooms[0].id}",
-        "--overlay look.png shows the numbers",
+        "<numbers>",
     )  # fmt: skip
 
 

@@ -277,7 +277,7 @@ def wall_thickness_px(solid: BoolArray) -> float:
     )
     if len(lengths) == 0:
         raise PlanError(
-            "no wall along an axis was found", expected="walls drawn black", try_="--scale M_PER_PX"
+            "no wall along an axis was found", expected="walls drawn black", try_="<m_per_px>"
         )
     # The thickness that most wall has; thicker runs are junctions and walls seen lengthwise.
     usual = int(np.argmax(np.convolve(np.bincount(lengths, weights), [1.0, 1.0])[1:]))

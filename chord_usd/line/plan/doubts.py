@@ -80,7 +80,7 @@ def refuse_nonsense(polygons_px: Sequence[FloatArray], regions: Regions, frame: 
         raise PlanError(
             f"what was read has a floor of {floor_m2:.3g} m²",
             expected=f"a dwelling of {_HOUSE_M2[0]:g} to {_HOUSE_M2[1]:g} m²",
-            try_="--scale M_PER_PX",
+            try_="<m_per_px>",
         )
     covered = floor_px / max(_surrounded_px(polygons_px, regions), 1.0)
     if covered < _LEAST_COVERED:

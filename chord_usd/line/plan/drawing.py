@@ -37,6 +37,7 @@ from chord_usd.base.scene.types import (
 )
 from chord_usd.base.scene.units import cm_from_m, m_from_px, px_from_m
 from chord_usd.base.scene.wet_rooms import with_wet_kinds
+from chord_usd.base.terms import with_step
 from chord_usd.line.plan.doubts import (
     doubts,
     doubts_of_sizes,
@@ -309,13 +310,13 @@ def _take_part(reading: SeenReading, part: int) -> tuple[SeenReading, list[str]]
     if part > len(parts):
         raise NoSuchPartError(
             f"part {part} was asked for, but the sheet shows {len(parts)}",
-            expected=f"--part 1 to {len(parts)}" if len(parts) > 1 else "no --part",
+            expected=f"<part> from 1 to {len(parts)}" if len(parts) > 1 else "no <part>",
         )
     chosen = reading.of(parts[part - 1])
     if len(parts) == 1:
         return chosen, []
     which = "the largest was taken" if part == 1 else f"number {part} by size was taken"
-    return chosen, [f"{_SHOWS}{len(parts)} plans; {which}, --part N takes another"]
+    return chosen, [with_step(f"{_SHOWS}{len(parts)} plans; {which}", ", <part> takes another")]
 
 
 def _taken(reading: SeenReading, page: _Page) -> tuple[SeenReading, list[str]]:

@@ -19,6 +19,7 @@ from chord_usd.base.scene.geometry import hanging_together
 from chord_usd.base.scene.room_names import room_kind
 from chord_usd.base.scene.room_words import plain
 from chord_usd.base.scene.types import WET_KINDS, Plan, Room, RoomKind
+from chord_usd.base.terms import with_step
 from chord_usd.line.plan.home_uses import Floor, Uses, uses_of_home
 
 _SHOWS = "the plan shows "
@@ -127,7 +128,11 @@ def said_of(plan: Plan, work: Sequence[str]) -> list[str]:
     """Of common parts and several dwellings, and of what is no home. work: names that say so."""
     count = len({dwelling_of(room) for room in plan.rooms} - {0})
     common = [room.id for room in plan.rooms if dwelling_of(room) == 0]
-    lines = [f"{_SHOWS}{count} dwellings; --dwelling N takes one alone"] if count > 1 else []
+    lines = (
+        [with_step(f"{_SHOWS}{count} dwellings", "; <dwelling> takes one alone")]
+        if count > 1
+        else []
+    )
     if common and count == 1:
         lines.append(f"{_SHOWS}a common landing or stair, which stays empty: {', '.join(common)}")
     listed = ", ".join(map(repr, dict.fromkeys(work)))

@@ -56,7 +56,7 @@ def overlay(plan: Plan, rgb: ByteArray) -> ByteArray:
     frame = frame_of(plan)
     if frame is None:
         raise PlanError(
-            "the plan was not read from a picture", expected="a plan read by chord-usd plan read"
+            "the plan was not read from a picture", expected="a plan that was read from a drawing"
         )
     canvas = (255 - (255 - rgb.astype(np.float32)) * (1.0 - _FADE)).astype(np.uint8)
     line_px = max(1, round(max(rgb.shape) / 600))

@@ -143,8 +143,6 @@ def _frame(described: str | None, height_px: int, path: Path) -> PixelFrame | No
     except SceneError:
         return None
     if provenance is not None:
-        raise PlanError(
-            "is a layout, not a plan", where=str(path), try_="chord-usd graph LAYOUT -o X.json"
-        )
+        raise PlanError("is a layout, not a plan", where=str(path), try_="<graph>")
     # A picture that was scaled since keeps the text of the one it was made from.
     return frame if frame.height_px == height_px else None

@@ -17,7 +17,7 @@ PAGE = "page"
 WARNINGS = "warnings"
 """Key of Plan.extra: sentences about what a user should know of the plan."""
 
-CHECK_SCALE = "check --scale"
+CHECK_SCALE = "check the scale"
 """Ends warnings about the scale."""
 
 

@@ -19,6 +19,7 @@ from chord_usd.base.scene.room_names import room_kinds
 from chord_usd.base.scene.storeys import StoreyPlan
 from chord_usd.base.scene.types import ByteArray, Plan, PlanImage
 from chord_usd.base.scene.wet_rooms import with_wet_kinds
+from chord_usd.base.terms import with_step
 from chord_usd.line.plan.decode import decode_plan
 from chord_usd.line.plan.openings import is_guessed
 from chord_usd.line.plan.picture import read_picture
@@ -62,7 +63,7 @@ def read_plan_file(
             f"the house would be {across_m:,.0f} m across",
             where=str(path),
             expected=f"at most {LARGEST_HOUSE_M:.0f} m",
-            try_="a smaller --scale, if that is not what it is",
+            try_="a smaller <m_per_px>, if that is not what it is",
         )
     warnings = _warnings(plan)
     plan = replace(plan, extra={**plan.extra, WARNINGS: warnings}) if warnings else plan
@@ -85,7 +86,7 @@ def _refuse_giants(plan: Plan, path: Path) -> None:
             f"its doors would be {usual_m:.1f} m wide",
             where=str(path),
             expected=f"at most {_WIDEST_DOORS_M:g} m",
-            try_="a smaller --scale",
+            try_="a smaller <m_per_px>",
         )
 
 
@@ -270,6 +271,8 @@ def _kitchens_missed(plan: Plan) -> list[str]:
         return []
     number, room = named[0]
     return [
-        f"{room.id} is named '{room.name}', but no part of it is a kitchen:"
-        f' --rooms "{number}: {room.kind} / kitchen" parts it'
+        with_step(
+            f"{room.id} is named '{room.name}', but no part of it is a kitchen",
+            f': <rooms="{number}: {room.kind} / kitchen"> parts it',
+        )
     ]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from chord_usd.base.scene.types import BoolArray, FloatArray
+from chord_usd.base.terms import with_step
 from chord_usd.line.plan.paper_scale import usual_scale
 from chord_usd.line.plan.placement import CHECK_SCALE
 from chord_usd.line.plan.printed import Estimate
@@ -133,7 +134,8 @@ class Scale:
             return [f"{reason} {guess}: {CHECK_SCALE}"]
         if self.witness == "doors":
             off = f"{_SPREAD['doors']:.0%}"
-            return [f"{NO_MEASURE}: its scale, by doors, may be {off} off (--scale sets it)"]
+            doubt = f"{NO_MEASURE}: its scale, by doors, may be {off} off"
+            return [with_step(doubt, " (<m_per_px> sets it)")]
         return []
 
 

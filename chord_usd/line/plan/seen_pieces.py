@@ -32,7 +32,7 @@ from chord_usd.line.plan.seen import SeenReading
 from chord_usd.line.plan.sheet import Sheet, on_white
 
 PIECES_CHECKPOINT = "symbols"
-_REMEDY = "chord-usd train symbols, or reinstall chord-usd"
+_REMEDY = ("<train=symbols>", "<reinstall>")
 
 FOLLOWING = frozenset(["chair"])
 """What stands where other pieces are: it helps the network to distinguish these."""

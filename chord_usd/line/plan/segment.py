@@ -81,7 +81,7 @@ TILE_PX = 512
 OVERLAP_PX = 128
 """Of neighbouring tiles; what lies near a tile's edge counts less."""
 
-REMEDY = "chord-usd train reader, or reinstall chord-usd"
+REMEDY = ("<train=reader>", "<reinstall>")
 
 Chances = npt.NDArray[np.float32]
 

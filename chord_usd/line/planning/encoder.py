@@ -61,7 +61,7 @@ class TransformersEncoder:
                 "no text model that can be read",
                 where=str(folder),
                 expected="config.json, tokenizer and weights as transformers saves them",
-                try_="install chord-usd again, if it is the text model that comes with it",
+                try_="<reinstall>, if it is the text model that comes with it",
             ) from error
         self._model.requires_grad_(False)
         self.channels = int(self._model.config.hidden_size)

@@ -59,7 +59,7 @@ def shell_of(plan: Plan, where: str) -> Plan:
             f"encloses {area_m2:.1f} m², {extent_m:.1f} m across",
             where=where,
             expected=f"at least {LEAST_AREA_M2:g} m² and at most {most_m:.0f} m across",
-            try_="--scale M_PER_PX, where the drawing's scale was read wrong",
+            try_="<m_per_px>, where the drawing's scale was read wrong",
         )
     openings = tuple(
         replace(
@@ -83,7 +83,7 @@ def _not_open(what: str, where: str) -> PlanError:
         what,
         where=where,
         expected="an open plan: outer walls that close, nothing inside",
-        try_="chord-usd generate PLAN, for a plan that has its rooms",
+        try_="<generate>, for a plan that has its rooms",
     )
 
 

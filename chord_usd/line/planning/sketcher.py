@@ -22,7 +22,7 @@ from chord_usd.line.planning import sketch_tokens as tokens
 
 GRAPH_INPUTS = ("shell", "roles", "left", "values")
 GRAPH_OUTPUTS = ("chances",)
-REMEDY = "chord-usd train bubbles, or reinstall chord-usd"
+REMEDY = ("<train=bubbles>", "<reinstall>")
 
 _PROGRAMMES = 32
 """So many are drawn, and weighed by how well they go with what is asked for."""

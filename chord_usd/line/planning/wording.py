@@ -160,7 +160,7 @@ def _refuse_impossible(understood: Understood, total: int | None) -> None:
 def _error(what: str, expected: str = "rooms and a floor area, in words") -> ChordError:
     return ChordError(
         f"the text {what}",
-        where="--text",
+        where="<text>",
         expected=expected,
         try_='"a two-bedroom flat with an open kitchen and a bathroom, about 70 m²"',
     )

@@ -22,7 +22,7 @@ from PIL import Image
 from safetensors.torch import save_file
 from torch import Tensor, nn
 
-from chord_usd.base.errors import CheckpointError
+from chord_usd.base.errors import CheckpointError, Steps
 from chord_usd.base.runtime.checksums import checkpoint_files
 from chord_usd.base.runtime.networks import GRAPH_FILE, WEIGHTS_FILE, read_weights
 from chord_usd.base.runtime.scratch import scratch_folder
@@ -157,7 +157,7 @@ def _floats(model: nn.Module) -> dict[str, Tensor]:
     return {n: v for n, v in model.state_dict().items() if v.is_floating_point()}
 
 
-def _read_tensors(folder: Path, try_: str) -> dict[str, Tensor]:
+def _read_tensors(folder: Path, try_: Steps) -> dict[str, Tensor]:
     weights = read_weights(folder / WEIGHTS_FILE, try_)
     return {name: torch.from_numpy(value) for name, value in weights.items()}
 

@@ -106,7 +106,7 @@ def standards_named(names: Iterable[str]) -> tuple[Standard, ...]:
         known = files.get(_plain(name))
         if known is None:
             raise ChordError(
-                f"knows no standard {name!r}", where="--standard",
+                f"knows no standard {name!r}", where="<standard>", value=name,
                 expected=f"one of {', '.join(NAMES)}",
             )  # fmt: skip
         chosen[known] = _read(known)
@@ -117,7 +117,7 @@ def standards_named(names: Iterable[str]) -> tuple[Standard, ...]:
                 raise ChordError(
                     f"{first.name} and {second.name} contradict each other: {_asks(clause)}, "
                     f"and {_asks(against)}",
-                    where="--standard", expected="standards that one home can keep",
+                    where="<standard>", expected="standards that one home can keep",
                     try_="one of them",
                 )  # fmt: skip
     return tuple(chosen.values())

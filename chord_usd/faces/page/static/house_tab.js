@@ -284,7 +284,7 @@ class HouseTab {
       .then(() => this.app.start("say", { version: this.version.number, sentence: sentence.value, ...more }))
       .catch(complain);
     const last = this.lastSaid();
-    const isWorse = last?.state === "failed" && last.error.includes("--force") && last.given.sentence === sentence.value;
+    const isWorse = last?.state === "failed" && last.code === "worse" && last.given.sentence === sentence.value;
     const form = el("form", { class: "row" }, sentence, el("button", { type: "submit" }, "Change it"),
       ...(isWorse ? [button("Do it all the same", () => say({ force: 1 }))] : []),
       ...(last?.answer?.answer ? [el("p", { role: "status" }, last.answer.answer)] : []));

@@ -32,7 +32,7 @@ _PAGE = (
     '<!doctype html><link rel="icon" href="data:,"><script type="module" src="studio.js"></script>'
 )
 _SLOWEST_MS = 300_000
-_ENGINE = "--engine web"
+_ENGINE = "<engine=web>"
 
 Shot = tuple[PixelArray, PixelArray]
 """(H, W, 3) linear light, and (H, W, 3) albedo."""
@@ -67,7 +67,7 @@ class Studio:
             raise RenderError(
                 f"the browser could not draw: {error.message.splitlines()[0]}",
                 where=_ENGINE,
-                try_="fewer pixels, or --engine cycles",
+                try_=("fewer pixels", "<engine=cycles>"),
             ) from error
 
     def _pixels(self, packed: str, kind: type[np.floating[Any]]) -> PixelArray:
@@ -119,7 +119,11 @@ def _launched(playwright: Playwright) -> Any:
             "no Chromium starts on this machine",
             where=_ENGINE,
             expected="a program chromium or chrome",
-            try_="apt-get install chromium, playwright install chromium, or --engine cycles",
+            try_=(
+                "apt-get install chromium",
+                "playwright install chromium",
+                "<engine=cycles>",
+            ),
         ) from error
 
 

@@ -128,7 +128,7 @@ def _refuse_niches(rooms: Sequence[Room], walls: Sequence[Polygon], where: str) 
     raise PlanError(
         f"{problem}: niches, no dwelling", where=where,
         expected=f"rooms of {_SMALLEST_HOME_M2:g} m² or more, whose walls close round them",
-        try_="drawing the missing walls or rooms, or --scale if it is larger",
+        try_=("drawing the missing walls or rooms", "<m_per_px> if it is larger"),
     )  # fmt: skip
 
 
@@ -146,7 +146,7 @@ def _scale(drawing: VectorDrawing, where: str, given: float | None) -> Scale:
     if not printed and doors is None and thickness <= 0.0:
         raise PlanError(
             "does not say how large it is", where=where, expected="units, doors or walls",
-            try_="--scale",
+            try_="<m_per_px>",
         )  # fmt: skip
     paper = drawing.paper_m_per_unit
     if paper and (ratio := stated_ratio(label.text for label in drawing.labels)):

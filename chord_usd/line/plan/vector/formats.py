@@ -15,6 +15,7 @@ from chord_usd.base.scene.json_stairs import stair_to_json
 from chord_usd.base.scene.stair_places import StairShape, placed_stair, with_stairwell
 from chord_usd.base.scene.storeys import STAIRS, STOREY_M
 from chord_usd.base.scene.types import Plan
+from chord_usd.base.terms import with_step
 from chord_usd.line.plan.placement import WARNINGS
 from chord_usd.line.plan.scale_choice import SCALE
 from chord_usd.line.plan.vector import READERS, is_svg
@@ -74,7 +75,7 @@ def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan | None:
         holds = "one storey" if len(plans) == 1 else f"{len(plans)} storeys"
         raise PlanError(
             f"part {part} was asked for, but the file holds {holds} with rooms", where=str(path),
-            expected="no --part" if len(plans) == 1 else f"--part 1 to {len(plans)}",
+            expected="no <part>" if len(plans) == 1 else f"<part> from 1 to {len(plans)}",
         )  # fmt: skip
     plan, name = plans[part - 1]
     if len(plans) == 1:
@@ -83,7 +84,10 @@ def _read_plan(path: Path, m_per_unit: float | None, part: int) -> Plan | None:
     warning = (
         f"the file holds {len(plans)} storeys; number {part} by rooms with doors{called} was taken"
     )
-    extra = {**plan.extra, WARNINGS: [f"{warning}, --part N takes another", *_warnings_in(plan)]}
+    extra = {
+        **plan.extra,
+        WARNINGS: [with_step(warning, ", <part> takes another"), *_warnings_in(plan)],
+    }
     return Plan(plan.rooms, plan.openings, extra)
 
 

@@ -96,7 +96,7 @@ def name_rooms(
         raise SceneError(
             "the scene graph holds no room",
             expected="at least one closed room",
-            try_="chord-usd plan read PLAN -o plan.json --overlay look.png shows what was read",
+            try_="<plan read>",
         )
     taken = set() if taken is None else taken
     names = _numbered([room_label(room) for room in graph.rooms], taken)

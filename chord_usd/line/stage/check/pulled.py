@@ -57,7 +57,7 @@ def pull_joints(file: Path) -> tuple[Pulled, ...]:
     Variants are selected in memory: the file stays as it is. Raises StageError for a file that
     cannot be opened, MissingExtraError without MuJoCo.
     """
-    with needed_for("check --open"):
+    with needed_for("opening what can be opened, by force,"):
         import mujoco
     with scratch_folder() as folder, reading(file):
         stage = open_stage(file)

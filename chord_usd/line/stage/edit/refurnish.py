@@ -78,7 +78,7 @@ def require_furniture(path: Path, room_name: str) -> None:
             f"the furniture of {room_name!r} is not in this layer",
             where=str(path),
             expected="the stage as chord-usd wrote it, not one that refers to it",
-            try_="regenerate HOUSE --edits LAYER, with the house that the layer lies over",
+            try_="<edits>",
         )
 
 

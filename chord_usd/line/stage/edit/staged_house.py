@@ -81,7 +81,7 @@ class StagedHouse:
                     f"has no {name!r} in {room_name}",
                     where=str(where),
                     expected=f"one of {', '.join(id_of)}" if id_of else "a room with furniture",
-                    try_=f"--keep {near[0]}" if near else "",
+                    try_=f"<keep={near[0]}>" if near else "",
                 )
         name_of = {item_id: name for name, item_id in id_of.items()}
         carriers = {item.id: item.facts.rests_on for item in self.graph.dressing}
@@ -110,7 +110,7 @@ class StagedHouse:
                 f"has no room {name!r}",
                 where=str(where),
                 expected=f"one of {', '.join(self.room_ids)}",
-                try_=f"--room {near[0]}" if near else "",
+                try_=f"<room={near[0]}>" if near else "",
             )
         return self.graph.plan.room(self.room_ids[name])
 
@@ -146,7 +146,7 @@ def _house_of(stage: Usd.Stage, path: Path, room_name: str = "") -> StagedHouse:
             "holds no rooms that can be read",
             where=str(path),
             expected="a house that chord-usd wrote",
-            try_=f"chord-usd check {path.name}",
+            try_=f"<check={path.name}>",
         )
     noted = {
         str(prim.GetPath()): prim.GetAttribute(NODE_ID).Get() or str(prim.GetPath())

@@ -110,7 +110,7 @@ def package_files(interface: Path, also: Iterable[str] = ()) -> Package:
             "the asset's layer is missing",
             where=str(interface),
             expected=EXPECTED,
-            try_="chord-usd assets build",
+            try_="<assets build>",
         )
     source = Path(os.path.abspath(interface.parent))  # noqa: PTH100 (not through links)
     package = _kept(interface, source) or _walked(interface, source)

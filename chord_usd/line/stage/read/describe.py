@@ -91,7 +91,7 @@ def _described(stage: Usd.Stage, path: Path) -> HouseContents:
             "holds no rooms",
             where=str(path),
             expected="a house that chord-usd wrote",
-            try_=f"chord-usd check {path.name}",
+            try_=f"<check={path.name}>",
         )
     cameras = house.GetChild("Cameras")
     every = room_prims(stage)

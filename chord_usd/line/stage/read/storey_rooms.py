@@ -46,5 +46,5 @@ def storey_of(stage: Usd.Stage, path: Path, room_name: str) -> tuple[SceneGraph,
     near = get_close_matches(room_name, names, n=1)
     raise StageError(
         f"has no room {room_name!r} that is furnished", where=str(path),
-        expected=f"one of {', '.join(names)}", try_=f"--room {near[0]}" if near else "",
+        expected=f"one of {', '.join(names)}", try_=f"<room={near[0]}>" if near else "",
     )  # fmt: skip

@@ -25,7 +25,7 @@ def copy_prop(asset: Asset, folder: Path) -> Path:
             f"the package of {asset.id} holds no prop",
             where=str(asset.usd_path),
             expected=f"{PROP}/{asset.usd_path.name} in it",
-            try_="chord-usd assets add or build, which write one",
+            try_="<assets add>",
         )
     for name, file in files.items():
         place = folder / asset.id / name
