@@ -67,6 +67,8 @@ _WEIGHED, _ZONED, _BEDS, _TABLES, _LAID, _OTHERS = 24, 5, 2, 8, 2, 6
 """Groups that are weighed, those for which other furniture is placed elsewhere, places of a bed for
 each of these, and of a dining table for each of these; of tables those that stay, and places of
 each other piece."""
+_BESIDE_TABLES = 8
+"""Places of a bed that are tried with a dining table in the room."""
 _WORTH = 0.5
 """Weight of broken rules from which on a whole group is placed again: a search of a second."""
 _DEEP_M2 = 16.0
@@ -175,6 +177,13 @@ def _bed(view: View, at: int) -> Iterator[Change]:
             yield (*rest, bed, *chosen)
         for shelf in shelves:
             yield (*bare, bed, *pair, shelf)
+
+
+def bed_and_table(view: View, seats: int) -> Iterator[Change]:
+    """The bed where it leaves place for a dining table, and the table."""
+    for bed in view.of("bed")[:1]:
+        for change in _best(view, free_of_clashes(view, list(_bed(view, bed))), _BESIDE_TABLES):
+            yield from _laid(view, change, seats)
 
 
 def bed_instead(view: View) -> Iterator[Change]:

@@ -40,7 +40,7 @@ from chord_usd.line.lists.dining_changes import (
     seats_at,
 )
 from chord_usd.line.lists.home_programme import WASHED_IN, suits_dining
-from chord_usd.line.lists.other_places import bed_instead, sofa_groups, zoned
+from chord_usd.line.lists.other_places import bed_and_table, bed_instead, sofa_groups, zoned
 from chord_usd.line.lists.pieces import TALL_M
 from chord_usd.line.lists.wardrobe_changes import SPARE_M, WARDROBE_M
 
@@ -176,6 +176,8 @@ def _tables(home: HomeView, at: int, compose: Compose | None) -> Iterator[Propos
         else:
             yield partial(_laid, seats=seats)
             yield partial(laid_instead, seats=seats)
+    if room.shell.kind == "bedroom" and not tables:
+        yield partial(bed_and_table, seats=most)
     if compose and room.shell.kind == "kitchen" and not home.of("dining_table"):
         yield from (
             partial(composed_around, propose=partial(laid_table, seats=seats), compose=compose)
