@@ -155,8 +155,8 @@ def _apart(view: View) -> Iterator[Measured]:
 
 
 def _knees(view: View) -> Iterator[Measured]:
-    """Floor between armchairs and the coffee table."""
-    tables = view.of("coffee_table")
+    """Floor between armchairs and the nearest coffee or dining table."""
+    tables = view.of("coffee_table", "dining_table")
     for at in view.of(*SINGLES) if tables else ():
         yield Measured(float(view.gaps(at)[tables].min()), view.point(at), _id(view, at))
 
@@ -257,7 +257,7 @@ RULES: tuple[Rule[View], ...] = (
         at_most=True,
         weight=0.3,
     ),
-    Rule("armchair to the coffee table", 0.25, "m", "planning guides", _knees, weight=0.5),
+    Rule("armchair to a table", 0.25, "m", "planning guides", _knees, weight=0.5),
     Rule("armchair from the sofa", 3.00, "m", "HUD 1973", _apart, at_most=True),
     Rule("armchair turned from the group", 45, "deg", "HUD 1973", _turned_away, at_most=True),
     Rule("seats to talk to", 1, "count", "HUD 1973", _talk),
