@@ -14,6 +14,7 @@ from chord_usd.base.scene.chord_json import read_scene
 from chord_usd.base.scene.types import SceneGraph
 from chord_usd.line.pipeline import Settings, require_lists
 from chord_usd.line.stage.author.author_stage import author_stage
+from chord_usd.line.stage.edit.staged_house import read_house
 from tests.every import later
 from tests.exit_codes import written
 
@@ -112,6 +113,9 @@ def test_what_is_wished_is_built(tmp_path: Path, run_cli: RunCli) -> None:
     assert held["living", "single_sofa"] >= 2
     assert not held["living", "sofa"]
     assert held["bathroom", "bathtub"]
+    kept = read_house(stage).requests
+    assert kept["Bedroom_0"] == "single bed, desk"
+    assert kept["LivingRoom_0"] == "armchair, armchair, no sofa"
 
 
 @needs_lists
@@ -128,12 +132,16 @@ def test_a_room_is_furnished_anew_as_wished_around_what_is_kept(
     words = ("--graph-out", scene, "--with", "bed, desk", "--without", "wardrobe")
     done = run_cli("regenerate", stage, *AROUND_THE_BED, *words)
     written(done)
-    graph = read_scene(scene)
-    room = next(room for room in graph.rooms if room.name == "Bedroom_0")
-    held = Counter(item.category for item in graph.items_of(room.id))
-    assert held["bed"] == 1, "the bed that is kept is the bed that is wished"
-    assert held["table"]
-    assert not held["cabinet"]
+    again = ("--graph-out", tmp_path / "again.json", "--with", "chair")
+    written(run_cli("regenerate", stage, *AROUND_THE_BED, *again))
+    assert read_house(stage).requests == {"Bedroom_0": "chair, bed, desk, no wardrobe"}
+    for file in (scene, tmp_path / "again.json"):
+        graph = read_scene(file)
+        room = next(room for room in graph.rooms if room.name == "Bedroom_0")
+        held = Counter(item.category for item in graph.items_of(room.id))
+        assert held["bed"] == 1, "the bed that is kept is the bed that is wished"
+        assert held["table"], "wished once, and held when the room is furnished again"
+        assert not held["cabinet"]
 
 
 @needs_lists

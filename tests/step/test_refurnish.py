@@ -11,6 +11,7 @@ import pytest
 from pxr import Sdf, Usd, UsdUtils
 
 from chord_usd.base.errors import StageError
+from chord_usd.base.runtime.house_history import undo
 from chord_usd.base.scene.types import Asset, Item, Provenance, SceneGraph
 from chord_usd.base.scene.units import rotation_2d
 from chord_usd.line.pipeline import one_room
@@ -19,6 +20,7 @@ from chord_usd.line.stage.author.author_stage import author_stage
 from chord_usd.line.stage.check.check_stage import check_stage
 from chord_usd.line.stage.edit.refurnish import NewFurniture, refurnish
 from chord_usd.line.stage.edit.staged_house import read_house
+from chord_usd.line.stage.read.describe import describe_stage
 from tests.every import later
 
 MADE = Provenance(checkpoint_hash="feed", seed=8)
@@ -101,6 +103,19 @@ def test_only_the_room_changes(folder: Path, staged_house: Path) -> None:
     assert len(list(house.graph.items_of(house.room_ids[name]))) == 1
     assert house.seeds[name] == 8
     assert broken_rules(path) <= broken_rules(staged_house)
+
+
+def test_what_is_asked_for_is_kept_with_the_room_and_its_history(folder: Path) -> None:
+    path = folder / "house.usda"
+    name = room_with_items(path)
+    new = new_furniture(path, name)
+    for asked in ("desk, no sofa", None, ""):
+        before = read_house(path).requests.get(name, "")
+        refurnish(path, path, replace(new, requests=asked))
+        assert read_house(path).requests.get(name, "") == (before if asked is None else asked)
+    undo(path)
+    assert describe_stage(path).rooms[[*read_house(path).room_ids].index(name)].requests
+    assert read_house(path).requests == {name: "desk, no sofa"}
 
 
 def test_the_same_furniture_gives_the_same_file(folder: Path) -> None:

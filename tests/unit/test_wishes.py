@@ -35,7 +35,10 @@ from chord_usd.line.lists.wishes import (
     read_pieces,
     rooms_meant,
 )
+from tests.every import for_every
 from tests.unit.test_lists import Chance
+
+DESK = WORDS["desk"]
 
 
 def room(id_: str, kind: RoomKind, side_m: float = 4.0, name: str = "") -> Room:
@@ -219,3 +222,30 @@ def test_lists_hold_pieces_as_long_as_they_are_wanted() -> None:
     asked = Asked((Piece("bed", (0.9, 1.0)), Piece("table")))
     found = furnish_by_lists(Plan((own,), ()), drawer, Drafts(3, 4), {own.id: asked})
     assert not asked.missing(found.items)
+
+
+@for_every("word", sorted(WORDS))
+def test_kept_words_are_read_as_they_were_meant(word: str) -> None:
+    piece = WORDS[word]
+    if CATEGORIES[piece.category].rank is not None:
+        for wishes in (Wishes((piece, piece)), Wishes((), (piece,)), Wishes((piece,), (DESK,))):
+            read = read_pieces(wishes.in_words())
+            meant = [[p.category for p in said] for said in wishes]
+            assert [[p.category for p in said] for said in read] == meant
+            assert [p.length_m for p in read.wanted] == [p.length_m for p in wishes.wanted]
+
+
+def test_the_last_wish_of_a_category_holds() -> None:
+    kept = read_pieces("bed, two chairs, no sofa, no wardrobe")
+    new = read_pieces("sofa, one chair", "bed")
+    assert new.after(kept, {"cabinet"}).in_words() == "sofa, chair, no bed"
+    assert Wishes().after(kept) == kept
+
+
+def test_an_edit_takes_back_the_wishes_that_it_goes_against() -> None:
+    kept = read_pieces("two chairs, desk, no sofa, no wardrobe")
+    before, after = ["chair", "chair", "desk"], ["chair", "desk", "double_sofa"]
+    sofa = kept.excluded[0].category
+    lost = kept.without_lost(before, [*after[:2], sofa])
+    assert lost.in_words() == "chair, desk, no wardrobe"
+    assert kept.without_lost(["desk"], ["desk"]) == kept, "never held, so never taken away"

@@ -262,6 +262,7 @@ class RoomContents(TypedDict):
     looks: dict[str, Choice]
     furniture: list[Piece]
     dressing: list[Piece]
+    requests: str
 
 
 class Described(TypedDict):

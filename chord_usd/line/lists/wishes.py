@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import NamedTuple
@@ -63,6 +64,35 @@ class Wishes(NamedTuple):
     """As often as they are wanted."""
     excluded: tuple[Named, ...] = ()
 
+    def in_words(self) -> str:
+        """As read_pieces reads it again, to be kept with a house."""
+        return ", ".join([*(p.word for p in self.wanted), *(f"no {p.word}" for p in self.excluded)])
+
+    def after(self, kept: Wishes, stays: Collection[str] = ()) -> Wishes:
+        """These wishes with those that a room had before: of each category the last ones hold.
+
+        stays: categories of pieces that stay in the room, which cannot be excluded any more.
+        """
+        last = {piece.category for piece in (*self.wanted, *self.excluded)}
+        return Wishes(
+            self.wanted + tuple(p for p in kept.wanted if p.category not in last),
+            self.excluded + tuple(p for p in kept.excluded if p.category not in {*last, *stays}),
+        )
+
+    def without_lost(self, before: Iterable[str], after: Iterable[str]) -> Wishes:
+        """These wishes without those that an edit went against: categories that a room held before
+        and after it, as often as it holds pieces of them."""
+        then, now = Counter(before), Counter(after)
+        wanted = list(self.wanted)
+        for category in {piece.category for piece in wanted}:
+            of_it = [piece for piece in wanted if piece.category == category]
+            lost = min(then[category], len(of_it)) - now[category]
+            for piece in of_it[: max(lost, 0)]:
+                wanted.remove(piece)
+        return Wishes(
+            tuple(wanted), tuple(p for p in self.excluded if now[p.category] <= then[p.category])
+        )
+
 
 @dataclass(frozen=True)
 class Asked:
@@ -76,6 +106,8 @@ class Asked:
     """Pieces that stand there already."""
     room: str = ""
     """Name of its prim."""
+    wishes: Wishes = Wishes()  # noqa: RUF009
+    """In the words that it was asked for in."""
 
     @property
     def is_asked(self) -> bool:
@@ -286,7 +318,7 @@ def asked_in(name: str, room: Room, wishes: Wishes, kept: Iterable[Item] = ()) -
         "sofa_background",
     }
     barred = {*excluded, *panels} - {piece.category for piece in wanted}
-    return Asked(wanted, frozenset(barred), room=name)
+    return Asked(wanted, frozenset(barred), room=name, wishes=wishes)
 
 
 def _error(what: str, where: str, expected: str = "", try_: str = "") -> ChordError:

@@ -422,7 +422,7 @@ def _change(reading: Reading, work: Work, style: HomeStyle, settings: Settings) 
             name, room, [i for i in work.graph.items_of(room.id) if i.id in work.new],
             Provenance(seed=house.seeds[name]),
             [i for i in work.graph.dressing_of(room.id) if i.id in work.new],
-            style=worn, home_seed=house.seed,
+            style=worn, home_seed=house.seed, requests=_still_asked(house, work, name, room.id),
         )  # fmt: skip
     px = settings.texture_px // 2 * 2
     looks = {
@@ -430,6 +430,17 @@ def _change(reading: Reading, work: Work, style: HomeStyle, settings: Settings) 
         for (room_id, part), look in work.looks.items()
     }  # fmt: skip
     return RoomsChange(pieces, rooms, work.colours, looks, shells, house.seed)
+
+
+def _still_asked(house: StagedHouse, work: Work, name: str, room_id: str) -> str | None:
+    """What is asked for in a room from now on, in words: nothing that the edit went against."""
+    from chord_usd.line.lists.wishes import read_pieces
+
+    if name not in house.requests:
+        return None
+    then, now = ([item.category for item in graph.items_of(room_id)]
+                 for graph in (house.graph, work.graph))  # fmt: skip
+    return read_pieces(house.requests[name]).without_lost(then, now).in_words()
 
 
 def _piece_changes(reading: Reading, work: Work) -> Iterator[PieceChange]:

@@ -53,6 +53,8 @@ class Regenerated:
     """Name of the style it is furnished in."""
     home_seed: int = 0
     """Seed of the house, by which its rooms agree."""
+    requests: str = ""
+    """Pieces that the room must and must not hold from now on, in words."""
 
     @property
     def new_items(self) -> tuple[Item, ...]:
@@ -84,8 +86,9 @@ def regenerate(
     after the room's last. keep: names of prims of the room's furniture and dressing that stay, as
     what is locked does, and with them what they rest on; the rest is sampled around them. edits: a
     layer over source in which things stand elsewhere; the house is seen with it. wishes: what the
-    room must hold (lists.wishes.read_pieces). The stopwatch times read, load, layout, graph,
-    outliers, tabletop and dress. A house without dressing stays without. Raises ChordError.
+    room must hold (lists.wishes.read_pieces), besides what was asked for before. The stopwatch
+    times read, load, layout, graph, outliers, tabletop and dress. A house without dressing stays
+    without. Raises ChordError.
     """
     settings = settings or Settings()
     watch = stopwatch or Stopwatch()
@@ -93,7 +96,7 @@ def regenerate(
         require_lists(settings)
     with watch.step("read"):
         from chord_usd.line.graph.match import match_assets
-        from chord_usd.line.lists.wishes import asked_in
+        from chord_usd.line.lists.wishes import Wishes, asked_in, read_pieces
         from chord_usd.line.pipeline.named_room import named_room
         from chord_usd.line.stage.edit.refurnish import require_furniture
         from chord_usd.line.stage.edit.staged_house import read_edited_house, read_house
@@ -108,8 +111,11 @@ def regenerate(
         kept_ids, bare = frozenset(kept), replace(house.graph, dressing=())
         seed = house.seeds[room_name] + 1 if seed is None else seed
         kept_items = [item for item in house.graph.items_of(room.id) if item.id in kept_ids]
+        wishes = wishes or Wishes()
+        if settings.lists and (before := house.requests.get(room_name)):
+            wishes = wishes.after(read_pieces(before), {item.category for item in kept_items})
         asked = {}
-        if wishes and any(wishes):
+        if any(wishes):
             asked[room.id] = asked_in(room_name, room, wishes, kept_items)
     style = style_named(settings.style or house.graph.style or MIXED, house.seed)
     with watch.step("load"):
@@ -139,6 +145,7 @@ def regenerate(
     return Regenerated(
         source, room_name, room, canvas.layout_image(plan_image, bare.items), made.layout, graph,
         tuple(kept.values()), kept_ids, style.name, house.seed,
+        wishes.in_words() if settings.lists else house.requests.get(room_name, ""),
     )  # fmt: skip
 
 
@@ -196,5 +203,6 @@ def write_regenerated(made: Regenerated, target: Path) -> StageFile:
         kept=made.kept,
         style=made.style,
         home_seed=made.home_seed,
+        requests=made.requests,
     )
     return refurnish(made.source, target, new)

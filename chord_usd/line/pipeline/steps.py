@@ -278,16 +278,17 @@ def write_stage(graph: SceneGraph, stage_path: Path, settings: Settings) -> Stag
 
 
 def write_levels(
-    levels: Sequence[Level], stage_path: Path, settings: Settings, style: HomeStyle
-) -> StageFile:
-    """Levels of a house, the lowest first -> StageFile."""
+    levels: Sequence[Level], stage_path: Path, settings: Settings, style: HomeStyle,
+    requests: Mapping[str, str] | None = None,
+) -> StageFile:  # fmt: skip
+    """Levels of a house, the lowest first -> StageFile. requests: as author_levels takes them."""
     from chord_usd.library.looks.look_library import style_looks
     from chord_usd.line.stage.author.author_stage import author_levels
 
     looks = style_looks(style, settings.seed, settings.texture_px)
     stage = author_levels(
         levels, stage_path, seed=settings.seed, looks=looks, style=style.name, sky=settings.sky,
-        articulation=settings.articulation, roof=settings.roof,
+        articulation=settings.articulation, roof=settings.roof, requests=requests,
     )  # fmt: skip
     if settings.state:
         from chord_usd.line.pipeline.house_states import set_states

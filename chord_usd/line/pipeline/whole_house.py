@@ -374,7 +374,9 @@ def _write(
     from chord_usd.line.stage.author.stage_levels import levels_of
 
     levels = levels_of(building, [made.graph for made in storeys])
-    return steps.write_levels(levels, stage_path, settings, style)
+    asked = [asked for made in storeys for asked in made.draw.asked.values()]
+    requests = {each.room: each.wishes.in_words() for each in asked}
+    return steps.write_levels(levels, stage_path, settings, style, requests)
 
 
 def read_storeys(

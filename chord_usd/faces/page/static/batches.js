@@ -25,7 +25,8 @@ export function batched(scene) {
     const storey = /^Storey_(\d+)$/.exec(nameOf(node));
     if (storey) place = { ...place, storey: Number(storey[1]) };
     if (kind && path) {
-      rooms.push({ name: node.userData.room, kind, path, node });
+      const { room, title = "", requests = "" } = node.userData;
+      rooms.push({ name: room, kind, path, node, title, requests });
       place = { ...place, room: node.userData.room, path };
     }
     // What has no name of its own is the storey's, and is hidden with it.

@@ -318,16 +318,19 @@ class HouseTab {
   }
 
   roomForm() {
-    const rooms = this.house.rooms.map((room) => [room.name, `${WORDS(room.kind)} (${room.name})`]);
+    const called = (room) => (room.title && room.title !== room.name ? room.title : WORDS(room.kind));
+    const rooms = this.house.rooms.map((room) => [room.name, `${called(room)} (${room.name})`]);
     this.room ??= rooms[0]?.[0];
     const list = choice(rooms, this.room, (name) => {
       this.room = name;
       this.refresh();
     });
+    const asked = this.house.rooms.find((room) => room.name === this.room)?.requests;
     const wish = el("input", { placeholder: "desk, two chairs", maxlength: 500 });
     const without = el("input", { placeholder: "sofa", maxlength: 500 });
     return el("section", { class: "card stack" },
       el("h2", {}, "Room"), list,
+      el("p", { class: "quiet", id: "asked", hidden: !asked }, `Asked for: ${asked}. It stays so until you ask otherwise.`),
       el("div", { class: "row" }, field("With", wish), field("Without", without)),
       button("Furnish this room again", async () => {
         await this.edits.save();

@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
@@ -117,12 +117,17 @@ def author_levels(
     sky: str = "",
     articulation: str = FIXED,
     roof: RoofForm = NO_ROOF,
+    requests: Mapping[str, str] | None = None,
 ) -> StageFile:
-    """Write the storeys of a house as one stage; everything else is as author_stage has it."""
+    """Write the storeys of a house as one stage; everything else is as author_stage has it.
+
+    requests: pieces that rooms must and must not hold, in words, by the names of their prims.
+    """
     path = Path(path)
     _refuse_odd_suffix(path)
     named = style_named(style, seed)
-    house = _House(tuple(levels), seed, looks, named, sky_named(sky), articulation, roof)
+    house = _House(tuple(levels), seed, looks, named, sky_named(sky), articulation, roof,
+                   requests or {})  # fmt: skip
     require_picture(house.sky)
     try_assets(asset.usd_path for level in levels for asset in level.graph.assets())
     with deliver() as delivery:
@@ -159,6 +164,7 @@ class _House:
     sky: Sky
     articulation: str
     roof: RoofForm
+    requests: Mapping[str, str]
 
     @property
     def rooms(self) -> list[NamedRoom]:
@@ -202,6 +208,9 @@ def _write_house(house: _House, target: Path, final: Path) -> str:
 
         raise_roof(layer, house.levels, house.roof, architecture, finish)
     note_design(layer, house.levels)
+    for room in house.rooms:
+        if asked := house.requests.get(room.name):
+            note(layer.GetPrimAtPath(f"{room.path}/{FURNITURE}"), requests=asked)
     layer.Save()
     return _hash([target, *sorted(architecture.iterdir())])
 

@@ -34,6 +34,9 @@ ROOM_LABELS: dict[RoomKind, str] = {
 }
 
 
+REQUESTS = "chord:requests"
+"""Attribute of a room's Furniture: pieces that it must and must not hold, in words."""
+
 BORDER = "Border"
 """Label of open borders of rooms that touch, which have no mesh: passages for who reads a stage."""
 

@@ -52,7 +52,7 @@ from chord_usd.line.stage.author.lighting import (
     shine,
     variants_of,
 )
-from chord_usd.line.stage.author.names import NamedRoom, name_items
+from chord_usd.line.stage.author.names import REQUESTS, NamedRoom, name_items
 from chord_usd.line.stage.author.prims import Types, attribute, note
 from chord_usd.line.stage.author.stage_levels import STOREY, room_spec, room_specs
 from chord_usd.line.stage.author.variants import Wardrobe
@@ -100,6 +100,8 @@ class NewFurniture:
     """Name of the style it is furnished in; "" for none."""
     home_seed: int = 0
     """Seed of the house, by which its rooms agree."""
+    requests: str | None = None
+    """Pieces that the room must and must not hold, in words; None leaves them as they are."""
 
 
 EditLayer = Callable[[Path, Sequence[Path]], Sdf.Layer]
@@ -283,6 +285,8 @@ def furnish_layer(path: Path, finals: Sequence[Path], new: NewFurniture) -> Sdf.
     _light_lamps(layer, room.path, finals)
     if new.made.checkpoint_hash:  # nothing else was drawn
         _note_making(furniture, new.made)
+    if new.requests is not None and (new.requests or REQUESTS in furniture.attributes):
+        note(furniture, requests=new.requests)
     noted = room.nameParent.attributes.get(ELEVATION)
     floor_m = float(noted.default) if noted else 0.0
     standing = [*new.items, *new.dressing]

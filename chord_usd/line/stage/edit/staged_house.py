@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from chord_usd.line.stage.author.furniture import (
     DRESSING,
     FURNITURE,
 )
-from chord_usd.line.stage.author.names import printable, room_title
+from chord_usd.line.stage.author.names import REQUESTS, printable, room_title
 from chord_usd.line.stage.author.stage_levels import ROOMS
 from chord_usd.line.stage.author.variants import COLOUR
 from chord_usd.line.stage.check.check_rules import NODE_ID
@@ -68,6 +68,8 @@ class StagedHouse:
     """Name of the group of its rooms, in a house of several storeys: all here is of this one."""
     standard: str = ""
     """Names of the standards that it is planned to."""
+    requests: Mapping[str, str] = field(default_factory=dict)
+    """Pieces that rooms must and must not hold, in words, by the names of their prims."""
 
     def kept(self, room_name: str, names: Sequence[str], where: Path) -> dict[str, str]:
         """Names of prims of a room's furniture and dressing by their ids: those asked for, and what
@@ -156,8 +158,11 @@ def _house_of(stage: Usd.Stage, path: Path, room_name: str = "") -> StagedHouse:
     chord = noted_settings(stage)
     house_seed = int(chord.get("seed", 0))
     graph = replace(graph, style=str(chord.get("style", "")))
-    seeds = {}
+    seeds, requests = {}, {}
     for room in graph.rooms:
+        asked = stage.GetAttributeAtPath(f"{room.id}/Furniture.{REQUESTS}")
+        if asked and asked.Get():
+            requests[room.name] = str(asked.Get())
         seed = stage.GetAttributeAtPath(f"{room.id}/Furniture.{SEED}")
         seeds[room.name] = int(seed.Get()) if seed else house_seed
     room_ids = {room.name: noted.get(room.id, room.id) for room in graph.rooms}
@@ -182,7 +187,7 @@ def _house_of(stage: Usd.Stage, path: Path, room_name: str = "") -> StagedHouse:
     graph = _with_noted_ids(graph, noted)
     return StagedHouse(
         graph, room_ids, seeds, item_ids, is_dressed, house_seed, assets, colours, titles, locked,
-        storey, standard_noted(chord),
+        storey, standard_noted(chord), requests,
     )  # fmt: skip
 
 

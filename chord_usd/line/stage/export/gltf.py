@@ -12,6 +12,7 @@ from pxr import Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 from chord_usd.base.runtime.networks import usable_cores
 from chord_usd.base.runtime.stages import open_known, open_stage, room_prims
 from chord_usd.base.scene.types import FloatArray
+from chord_usd.line.stage.author.names import REQUESTS
 from chord_usd.line.stage.author.surfaces import bound_material
 from chord_usd.line.stage.export.gltf_file import Entry, GltfFile
 from chord_usd.line.stage.export.gltf_lights import LUX_PER_UNIT, camera_of, light_of
@@ -216,14 +217,16 @@ def _stands_out(prim: Usd.Prim) -> bool:
 
 def _extras(prim: Usd.Prim, room: str) -> Entry:
     """What a prim is: its labels (`category`, `class`; a room's is its `kind`), its room and id,
-    and of dressing the id of what it rests on."""
+    of rooms their names and requests, and of dressing the id of what it rests on."""
     names = [name.removeprefix(_LABELS) for name in prim.GetAppliedSchemas() if _LABELS in name]
     labels = {name: prim.GetAttribute(f"semantics:labels:{name}").Get() for name in names}
     said: Entry = {name: str(values[0]) for name, values in labels.items() if values}
     if not said:
         return {}
     if "room" in said:
-        said["kind"] = said.pop("room")
+        asked = prim.GetAttributeAtPath(f"Furniture.{REQUESTS}")
+        said |= {"kind": said.pop("room"), "title": prim.GetDisplayName()}
+        said |= {"requests": asked.Get()} if asked else {}
     if "category" in said:
         said.setdefault("class", said["category"])
     if room:

@@ -14,7 +14,7 @@ from pxr import Kind, Usd
 
 from chord_usd.base.errors import StageError
 from chord_usd.base.runtime.stages import open_stage, reading, room_prims
-from chord_usd.line.stage.author.names import BORDER
+from chord_usd.line.stage.author.names import BORDER, REQUESTS
 
 _NODE, _CATEGORY, _SIZE, _KIND = "chord:node_id", "chord:category", "chord:size_m", "chord:kind"
 _RESTS_ON = "chord:rests_on"
@@ -63,6 +63,8 @@ class RoomContents:
     looks: Looks
     furniture: tuple[Piece, ...]
     dressing: tuple[Piece, ...] = ()
+    requests: str = ""
+    """Pieces that it must and must not hold, in words."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,9 @@ def _room(prim: Usd.Prim, paths: Mapping[str, str]) -> RoomContents:
     kind = prim.GetAttribute(_KIND).Get() if prim.HasAttribute(_KIND) else "unknown"
     furniture, dressing = (tuple(_pieces(prim.GetChild(group), paths)) for group in _GROUPS)
     path = str(prim.GetPath())
-    return RoomContents(prim.GetName(), path, kind, _looks(prim), furniture, dressing)
+    noted = prim.GetAttributeAtPath(f"Furniture.{REQUESTS}")
+    asked = str(noted.Get()) if noted else ""
+    return RoomContents(prim.GetName(), path, kind, _looks(prim), furniture, dressing, asked)
 
 
 def _components(group: Usd.Prim) -> Iterator[tuple[Usd.Prim, Usd.Prim]]:
