@@ -115,7 +115,7 @@ def test_what_is_wished_is_built(tmp_path: Path, run_cli: RunCli) -> None:
     assert held["bathroom", "bathtub"]
     kept = read_house(stage).requests
     assert kept["Bedroom_0"] == "single bed, desk"
-    assert kept["LivingRoom_0"] == "armchair, armchair, no sofa"
+    assert kept["LivingRoom_0"] == "arm chair, arm chair, no sofa"
 
 
 @needs_lists
