@@ -8,8 +8,17 @@ from chord_usd.base.metrics.design import judged_room
 from chord_usd.base.metrics.design.price import tight
 from chord_usd.base.metrics.design.shell import shells
 from chord_usd.base.metrics.design.view import View
-from chord_usd.base.scene.types import Box, Item, Opening, Room, RoomKind, frozen_array
+from chord_usd.base.scene.types import (
+    Box,
+    Item,
+    Opening,
+    Room,
+    RoomKind,
+    SceneGraph,
+    frozen_array,
+)
 from chord_usd.line.lists.improve import improved
+from chord_usd.line.lists.put_back import put_back
 from chord_usd.line.lists.wet_places import composed
 
 SIZES = {
@@ -124,3 +133,13 @@ def test_basins_have_a_margin_for_the_painter_where_there_is_place() -> None:
     assert [room.length[at] >= 0.55 for at in room.of("washbasin")] == [True]
     small = planned(view_of("wc", (1.4, 1.8), "toilet", "washbasin"))
     assert {"toilet", "washbasin"} <= {*small.categories}
+
+
+def test_a_room_that_loses_all_its_pieces_gets_a_smaller_one() -> None:
+    room = Room("w", "washroom", frozen_array([(0, 0), (1.6, 0), (1.6, 2.2), (0, 2.2)]))
+    door = Opening("d", "door", Box((0.6, 2.32, 0.0), (0.8, 0.24, 2.1), 0.0), ("w",))
+    wide = Item("set", "washing_set", Box((0.8, 0.35, 0.0), (1.6, 0.7, 0.9), 180.0), "w")
+    home = SceneGraph((room,), (door,), (wide,))
+    after = put_back(home, home, ["w"], (), lambda house: house.without(["set"]))
+    assert len(after.items) == 1
+    assert after.items[0].id != "set"

@@ -20,6 +20,7 @@ import shapely
 from pxr import UsdGeom, UsdPhysics
 from shapely import Polygon
 
+from chord_usd.base.metrics.clear_floor import shut_borders
 from chord_usd.base.metrics.overlap import natural_partners, overlaps_by_nature
 from chord_usd.base.metrics.walk import WALKER_RADIUS_M
 from chord_usd.base.places.free_places import FreePlaces, places_near
@@ -304,7 +305,10 @@ def leave_askew(work: Arrangement) -> SceneGraph:
             ):
                 items[item.id] = replace(item, box=box)
                 break
-    return replace(work.graph, items=tuple(items.values()))
+    turned = replace(work.graph, items=tuple(items.values()))
+    shut = {blocked.item for blocked in shut_borders(turned)}
+    kept = [item if item.id in shut else items[item.id] for item in work.graph.items]
+    return replace(turned, items=tuple(kept)) if shut else turned
 
 
 def _askew(item: Item) -> Iterator[Box]:

@@ -34,8 +34,8 @@ Span = tuple[float, float]
 
 LEAST_WALL_M = 0.3
 """Nothing stands along a shorter side."""
-_OPENED_M = 0.35
-"""Before the front of a unit, at least, so that its door opens."""
+_OPENED_M = 0.45
+"""Before the front of a unit, at least, so that its door or flap opens by half."""
 _WALLS = 16
 """Sides of a room that are looked at, the longest ones."""
 TOUCH_M = 1e-4

@@ -12,6 +12,7 @@ import shapely
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from chord_usd.base.metrics.clear_floor import TOUCH_M, ClearFloors, clearances
 from chord_usd.base.metrics.design.view import screenless
 from chord_usd.base.runtime.asset_stages import try_assets
 from chord_usd.base.scene.geometry import footprint_polygon, room_polygon, to_world
@@ -127,10 +128,21 @@ def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = (
         [footprint_polygon(i.box) for i in graph.items if i.category == _DESK]
     )
     bare = screenless(graph)
-    items, dressing = (
-        tuple(item if item.id in but else _matched(item, database, desks, bare) for item in all_)
-        for all_ in (graph.items, graph.dressing)
-    )
+    clear = ClearFloors(list(clearances(graph.rooms, graph.openings)))
+
+    def matched(item: Item) -> Item:
+        if item.id in but:
+            return item
+        best = _matched(item, database, desks, bare)
+        if item.asset:
+            return best
+        # A mesh that is wider than its piece may reach before a window that it is too high for.
+        low = clear.below_sill(replace(item, box=best.box)).facts.below_sill_m
+        if low is None or best.box.top_m <= low + TOUCH_M:
+            return best
+        return _matched(item.with_facts(below_sill_m=low), database, desks, bare)
+
+    items, dressing = (tuple(map(matched, all_)) for all_ in (graph.items, graph.dressing))
     graph = replace(graph, items=items, dressing=dressing)
     try_assets(asset.usd_path for asset in graph.assets())
     return graph

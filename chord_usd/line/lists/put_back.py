@@ -87,7 +87,14 @@ def put_back(
         work.change(at, [without_strays], gain=-_EMPTY, mends=True)
     work.furnish_empty(set(rooms) - set(decided))
     work.repair(set(rooms) - set(decided), lacking(before) if before else (), compose)
-    return _finished(graph, work.made(), finish)
+    finished = _finished(graph, work.made(), finish)
+    # All that a room held may shut the ways through it, which something smaller does not.
+    emptied = {item.room_id for item in graph.items} - {item.room_id for item in finished.items}
+    if bare := emptied & set(rooms) - set(decided):
+        work = _Work(finished)
+        work.furnish_empty(bare)
+        finished = _finished(finished, work.made(), finish)
+    return finished
 
 
 class _Work:
