@@ -292,7 +292,7 @@ class TestCheckpoints:
         assert not list(tmp_path.glob("*.part"))
 
     def test_missing_folder_says_what_to_do(self, tmp_path):
-        with pytest.raises(CheckpointError, match=r"no checkpoint here.*Try: chord-usd train"):
+        with pytest.raises(CheckpointError, match=r"no checkpoint here.*Try: installing"):
             load_checkpoint(tmp_path / "nowhere")
 
     @pytest.mark.parametrize("keep", [0, 100, 5000])

@@ -203,7 +203,7 @@ def test_the_sun_of_a_picture_is_turned_to_the_windows(
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("mornin", "Try: --sky morning"),
+        ("mornin", "Try: sky=morning"),
         ("gone.hdr", "no such file"),
         ("text.hdr", "is no HDRI"),
         ("text.exr", "is no HDRI"),
