@@ -6,7 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from chord_usd.base.metrics.clear_floor import WAY_M, shut_borders
 from chord_usd.base.scene.types import Box, Item, Room, SceneGraph
 from chord_usd.base.scene.units import wrap_deg
 from chord_usd.library.database import load_database
@@ -71,3 +73,17 @@ def test_a_passage_at_a_wall_stays_beside_a_nearer_wall() -> None:
         after = leave_askew(Arrangement.of(replace(graph, items=free)))
         (left,) = (item for item in after.items if item.id == "armchair")
         assert (left.box != armchair.box) == turns
+
+
+@pytest.mark.parametrize("name", ["a", "b", "c", "d"])
+def test_a_chair_turns_into_no_open_border(name: str) -> None:
+    """A border with a way across, half a centimetre wider than one needs."""
+    beside = Room("s", "kitchen", np.array([[5.0, 0.0], [8.0, 0.0], [8.0, 4.0], [5.0, 4.0]]))
+    chair = Item(name, "chair", Box((4.7, 3.0, 0.0), (0.45, 0.5, 0.9), 90.0), "r")
+    (seat,) = match_assets(SceneGraph((ROOM,), (), (chair,)), load_database()).items
+    low = seat.box.center_m[1] - seat.box.size_m[0] / 2 - WAY_M - 0.005
+    block = Item("f", "cabinet", Box((5.2, low / 2, 0.0), (low, 0.4, 1.0), 90.0), "s")
+    other = Item("g", "cabinet", Box((5.2, 3.7, 0.0), (0.6, 0.4, 1.0), 90.0), "s")
+    graph = SceneGraph((ROOM, beside), (), (seat, block, other))
+    assert not list(shut_borders(graph))
+    assert not list(shut_borders(leave_askew(Arrangement.of(graph))))

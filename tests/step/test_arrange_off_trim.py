@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
+from chord_usd.base.metrics.walk import is_shut
 from chord_usd.base.scene.trim import boards, casings
 from chord_usd.base.scene.types import Box, Item, Opening, Room, SceneGraph
 from chord_usd.library.database import load_database
@@ -107,3 +108,21 @@ def test_what_is_as_high_as_a_sill_comes_off_it(tmp_path: Path) -> None:
     assert before.items[0].box.center_m[1] - after.items[0].box.center_m[1] < 0.04
     found = check_stage(author_stage(after, tmp_path / "h.usda").path)
     assert found.collisions == ()
+
+
+def test_a_basin_that_comes_off_a_casing_shuts_no_bathroom() -> None:
+    """Straight into the room, it would leave less than a walker needs beside the shower."""
+    corners = np.array([[0.0, 0.0], [1.59, 0.0], [1.59, 1.77], [0.0, 1.77]])
+    room = Room("r", "bathroom", corners)
+    door = Opening("d", "door", Box((1.71, 0.55, 0.0), (0.7, 0.24, 2.1), 90.0), ("r",))
+    boxes = {
+        "shower": Box((0.4, 0.4, 0.0), (0.8, 0.8, 2.15), 180.0),
+        "toilet": Box((0.2925, 1.254, 0.0), (0.379, 0.585, 0.82), 90.0),
+        "washbasin": Box((1.39, 1.19, 0.0), (0.525, 0.4, 0.85), -90.0),
+    }
+    items = tuple(Item(name, name, box, "r") for name, box in boxes.items())
+    graph = SceneGraph((room,), (door,), items)
+    assert not is_shut(graph, room)
+    after = clear_trim(Arrangement.of(graph))
+    assert after.items[2].box != items[2].box
+    assert not is_shut(after, room)

@@ -276,3 +276,17 @@ def test_a_cabinet_is_built_as_it_is_judged(sill_m: float, beside_m: float, is_b
     assert ("no_screen" in asset.tags) == is_bare
     (view,) = view_home(house).rooms
     assert bool(view.bare) == is_bare
+
+
+def test_a_chair_that_came_before_a_window_is_low_enough_for_it() -> None:
+    """By 8 cm; nothing noted then how high the sill is."""
+    chairs = [each for each in embedded_assets() if each.category == "chair"]
+    high = next(each for each in chairs if each.size_m[2] > 0.95)
+    low = next(each for each in chairs
+               if each.size_m[2] < 0.89 and each.size_m[1] != high.size_m[1])  # fmt: skip
+    room = Room("room", "dining", frozen_array([(0, 0), (5, 0), (5, 4), (0, 4)]))
+    window = Opening("w", "window", Box((2.0, -0.12, 0.9), (1.2, 0.24, 1.2), 0.0), ("room",))
+    for beside_m, asset in ((-0.08, low), (0.3, high)):
+        box = Box((2.6 + high.size_m[0] / 2 + beside_m, 0.3, 0.0), high.size_m, 180.0)
+        house = SceneGraph((room,), (window,), (Item("c", "chair", box, "room"),))
+        assert match_assets(house, AssetDatabase((high, low))).items[0].asset == asset

@@ -13,7 +13,7 @@ from chord_usd.base.metrics.design.view import view_home
 from chord_usd.base.metrics.unit_gaps import KITCHEN_UNITS
 from chord_usd.base.metrics.violations import violations
 from chord_usd.base.scene.geometry import footprint_polygon, to_own
-from chord_usd.base.scene.trim import casings
+from chord_usd.base.scene.trim import boards, casings
 from chord_usd.base.scene.types import Box, Item, Opening, Plan, Room, SceneGraph, frozen_array
 from chord_usd.line.compose.composer import (
     compose,
@@ -73,6 +73,18 @@ def test_units_stand_off_the_casings_of_doors(door_at: float) -> None:
             for low, high in wall.spans(0.6, 0.87, 0.1):
                 shape = shapely.Polygon(wall.rectangle(low, high, 0.0, 0.6))
                 assert all(shape.intersection(leg).area < 1e-6 for leg in legs)
+
+
+def test_units_stand_off_the_board_of_a_window_beyond_an_open_border() -> None:
+    house = kitchen((3.0, 3.4))
+    beside = Room("room", "living", frozen_array([[3.0, 0], [6.0, 0], [6.0, 3.4], [3.0, 3.4]]))
+    window = Opening("b", "window", Box((3.6, 3.52, 0.8), (1.2, 0.24, 1.4), 0.0), ("room",))
+    house = replace(house, rooms=(*house.rooms, beside), openings=(house.openings[0], window))
+    (board,) = boards(window, beside)
+    for wall in site_of(house, house.rooms[0], (), ()).walls:
+        for low, high in wall.spans(0.6, 0.87, 0.1):
+            shape = shapely.Polygon(wall.rectangle(low, high, 0.0, 0.6))
+            assert shape.intersection(footprint_polygon(board)).area < 1e-6
 
 
 def test_no_unit_stands_close_before_a_wall() -> None:

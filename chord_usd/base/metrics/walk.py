@@ -273,16 +273,20 @@ def _doorway(opening: Opening) -> shapely.Polygon:
 def ways_shut(graph: SceneGraph, room: Room) -> int:
     """How many ways of a room, doors, passages and open borders, its pieces part from most of the
     others in it."""
+    return _ways_shut(_alone(graph, room))
+
+
+def is_shut(graph: SceneGraph, room: Room) -> bool:
+    """Whether the pieces of a room keep a walker from the floor, or part the ways of the room."""
     alone = _alone(graph, room)
+    return bool(_ways_shut(alone) or walk(alone).shut)
+
+
+def _ways_shut(alone: SceneGraph) -> int:
     if len({way.id for way in alone.openings}) < 2:
         return 0
     shut = _parted(alone)
     return max(0, shut - _parted(replace(alone, items=()))) if shut else 0
-
-
-def is_shut(graph: SceneGraph, room: Room) -> bool:
-    """Whether the pieces of a room keep a walker from its floor, or part its ways."""
-    return bool(ways_shut(graph, room) or walk(_alone(graph, room)).shut)
 
 
 def _alone(graph: SceneGraph, room: Room) -> SceneGraph:

@@ -20,7 +20,7 @@ import shapely
 from pxr import UsdGeom, UsdPhysics
 from shapely import Polygon
 
-from chord_usd.base.metrics.clear_floor import shut_borders
+from chord_usd.base.metrics.clear_floor import border_sides, floor_across, shut_borders
 from chord_usd.base.metrics.overlap import natural_partners, overlaps_by_nature
 from chord_usd.base.metrics.walk import WALKER_RADIUS_M
 from chord_usd.base.places.free_places import FreePlaces, places_near
@@ -289,6 +289,15 @@ def leave_askew(work: Arrangement) -> SceneGraph:
     """
     items = {item.id: item for item in work.graph.items}
     tables = tables_of(work.graph.items)
+    across = [floor_across(side) for sides in border_sides(work.graph) for side in sides]
+    borders = shapely.union_all(across)
+
+    def shuts_border(box: Box, item: Item) -> bool:
+        if not borders.intersects(footprint_polygon(box)):
+            return False
+        turned = {**items, item.id: replace(item, box=box)}
+        return any(shut_borders(replace(work.graph, items=tuple(turned.values()))))
+
     for item in work.graph.items:
         if item.category not in (SEAT, *having("easy_chair")) or not work.may_move(item):
             continue
@@ -302,13 +311,11 @@ def leave_askew(work: Arrangement) -> SceneGraph:
                 free.has(box)
                 and _leaves_passages(item.box, box, around)
                 and not runs_into(box, item, near)
+                and not shuts_border(box, item)
             ):
                 items[item.id] = replace(item, box=box)
                 break
-    turned = replace(work.graph, items=tuple(items.values()))
-    shut = {blocked.item for blocked in shut_borders(turned)}
-    kept = [item if item.id in shut else items[item.id] for item in work.graph.items]
-    return replace(turned, items=tuple(kept)) if shut else turned
+    return replace(work.graph, items=tuple(items.values()))
 
 
 def _askew(item: Item) -> Iterator[Box]:

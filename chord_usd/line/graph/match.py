@@ -136,7 +136,7 @@ def match_assets(graph: SceneGraph, database: Database, but: Collection[str] = (
         best = _matched(item, database, desks, bare)
         if item.asset:
             return best
-        # A mesh that is wider than its piece may reach before a window that it is too high for.
+        # Pieces that came before a window after they were read know nothing of the sill.
         low = clear.below_sill(replace(item, box=best.box)).facts.below_sill_m
         if low is None or best.box.top_m <= low + TOUCH_M:
             return best

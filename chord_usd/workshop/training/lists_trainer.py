@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from chord_usd.base.runtime.progress import Progress
-from chord_usd.line.lists.list_sampler import GRAPH_OUTPUTS, NOW, STATES
+from chord_usd.line.lists.list_sampler import GRAPH_INPUTS, GRAPH_OUTPUTS, NOW, STATES
 from chord_usd.line.lists.vocabulary import NOTHING, SEGMENT_FIELDS, Vocabulary
 from chord_usd.workshop.training.lists_data import Batch
 from chord_usd.workshop.training.lists_network import Drawing, ListNetwork
@@ -142,7 +142,7 @@ def write_drawing(folder: Path, network: ListNetwork, vocabulary: Vocabulary) ->
         folder,
         Drawing(network.cpu()),
         stored={f"network.{name}": name for name in network.state_dict()},
-        inputs=example,
+        inputs={name: example[name] for name in (*GRAPH_INPUTS, *states)},
         outputs=outputs,
         free_axes={
             "segments": {0: "batch", 1: "segments"},

@@ -50,16 +50,15 @@ def broken_share(view: View, most: float = math.inf) -> float:
 
     most: where the share is above this, any larger value may come back, sooner.
     """
-    broken, shell = _broken_share(view, most), view.shell
+    broken = _broken_share(view, most) if math.isfinite(most) else view.once(_broken_share)
+    shell = view.shell
     if clauses := CLAUSES.get().get(shell.kind):
         kept = judge(clauses, view, shell.room.id, shell.kind, shell.area_m2)
         broken += STANDARD * (1.0 - kept.share)
     return broken
 
 
-def _broken_share(view: View, most: float) -> float:
-    if not math.isfinite(most):
-        return view.once(_whole_share)
+def _broken_share(view: View, most: float = math.inf) -> float:
     sets = list(rules_of(view))
     bound = most * sum(rule.weight for rules, _, _ in sets for rule in rules)
     broken, asked = 0.0, 0.0
@@ -68,12 +67,6 @@ def _broken_share(view: View, most: float) -> float:
         broken, asked = broken + more, asked + of
         if broken > bound:
             return math.inf
-    return broken / asked if asked else 0.0
-
-
-def _whole_share(view: View) -> float:
-    weights = [broken_weight(rules, view, area_m2) for rules, _, area_m2 in rules_of(view)]
-    broken, asked = map(sum, zip(*weights, strict=True))
     return broken / asked if asked else 0.0
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
@@ -149,12 +149,7 @@ def judge(
 ) -> Judged:
     """A room or home by these rules."""
     kept, findings, won, asked = [], [], 0.0, 0.0
-    for rule in rules:
-        if not rule.from_m2 <= area_m2 < rule.below_m2:
-            continue
-        values = list(rule.measure(seen))
-        if not values:
-            continue
+    for rule, values in _asked(rules, seen, area_m2):
         broken = [value for value in values if not rule.keeps(value.have)]
         asked += rule.weight
         if broken:
@@ -178,15 +173,21 @@ def broken_weight(
     most: no rule is asked any more once this much is broken.
     """
     broken, asked = 0.0, 0.0
-    for rule in rules:
-        if not rule.from_m2 <= area_m2 < rule.below_m2:
-            continue
-        kept = [rule.keeps(value.have) for value in rule.measure(seen)]
-        asked += rule.weight * bool(kept)
-        broken += rule.weight * (not all(kept))
+    for rule, values in _asked(rules, seen, area_m2):
+        asked += rule.weight
+        broken += rule.weight * (not all(rule.keeps(value.have) for value in values))
         if broken > most:
             break
     return broken, asked
+
+
+def _asked(
+    rules: Iterable[Rule[Seen]], seen: Seen, area_m2: float
+) -> Iterator[tuple[Rule[Seen], list[Measured]]]:
+    """The rules that are asked, with all that they measure."""
+    for rule in rules:
+        if rule.from_m2 <= area_m2 < rule.below_m2 and (values := list(rule.measure(seen))):
+            yield rule, values
 
 
 def flag(is_broken: bool, at: Point, *items: str) -> Measured:
