@@ -148,7 +148,7 @@ def test_a_missing_part_is_named_with_the_options_that_make_it(
 ) -> None:
     for source in (part(parts, 0, 0), part(parts, 0, 1), part(parts, 1, 1)):
         (tmp_path / source.name).write_bytes(source.read_bytes())
-    with pytest.raises(RenderError, match=r"is missing.*expected a part of a picture$"):
+    with pytest.raises(RenderError, match=r"is missing.*expected a part of a picture. Try: tile="):
         render_stage(house, tmp_path, replace(wanted, merge=True))
     assert len(list(tmp_path.iterdir())) == 3
 
