@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 from mathutils import Matrix as WorldMatrix
 
-from .core.edits import Changes, Matrix, moves, placements_of_house, to_json, understood
+from .core.edits import Changes, Matrix, as_saved, moves, placements_of_house, to_json, understood
 from .core.revisions import revision
 from .core.tree import (
     CAMERAS,
@@ -188,12 +188,13 @@ def changes_of(context: bpy.types.Context) -> Changes:
     came_with = understood(json.loads(fields(context).came_with))
     context.view_layer.update()
     objects = own_objects(context)
-    return Changes(
+    changes = Changes(
         pieces=moves(house_placements(context), placements(objects), came_with.swaps),
         looks=came_with.looks,
         lights={p: s for p, s in _strengths(objects).items() if abs(s - 1.0) > LEAST_LIGHT},
         locked=tuple(sorted(path for path, item in objects.items() if item.get(LOCKED_KEY))),
     )
+    return as_saved(changes, came_with)
 
 
 def set_light(context: bpy.types.Context, room: str, strength: float) -> None:

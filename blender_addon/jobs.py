@@ -13,15 +13,16 @@ from typing import Any
 
 import bpy
 
-from .core import report
+from .core import commands, report
 from .core.commands import describe, found_house
 from .core.edits import Changes, carried_over, without_pieces, without_room
 from .core.errors import InputError
 from .core.layer import read_changes, write_changes
-from .core.program import ProgramError
+from .core.program import HAS_HISTORY, ProgramError
 from .core.revisions import keep, put_back
 from .house import changes_of, is_shown
 from .importer import import_house
+from .preferences import preferences
 from .properties import fields
 from .session import Finish, session
 
@@ -148,9 +149,43 @@ def show_certificate(context: bpy.types.Context, data: dict[str, Any]) -> None:
     props = fields(context)
     props.certificate = report.headline(data)
     props.findings.clear()
-    for finding in report.findings(data):
-        line = props.findings.add()
-        line.name, line.paths = finding.text, "\n".join(finding.paths)
+    for is_planning, part in ((False, report.findings(data)), (True, report.planning(data))):
+        for finding in part:
+            line = props.findings.add()
+            line.name, line.paths = finding.text, "\n".join(finding.paths)
+            line.is_planning = is_planning
+
+
+def keeps_past(context: bpy.types.Context) -> bool:
+    """Whether the program keeps the history of houses."""
+    program = session.known_program(preferences(context).program)
+    return bool(program and HAS_HISTORY in program.abilities)
+
+
+def read_past(context: bpy.types.Context, house: Path) -> None:
+    """Start the job that lists what was done to a house, where the program keeps that."""
+    if keeps_past(context):
+        session.start(context, commands.past("history", house), show_past)
+
+
+def show_past(context: bpy.types.Context, data: dict[str, Any]) -> None:
+    """Fill the list of changes."""
+    props = fields(context)
+    props.past.clear()
+    for index, (number, text) in enumerate(report.past(data)):
+        line = props.past.add()
+        line.number, line.name = number, text
+        if number == data["number"]:
+            props.past_index = index
+    props.can_redo = data["redo"] is not None
+
+
+def show_earlier(seen: Seen, context: bpy.types.Context, _data: dict[str, Any]) -> None:
+    """The house has another state of its history, its layer of changes included."""
+    props = fields(context)
+    props.certificate = ""
+    props.findings.clear()
+    _show_written(seen, context)
 
 
 def show_pictures(context: bpy.types.Context, data: dict[str, Any]) -> None:
@@ -169,19 +204,27 @@ def show_farm_job(context: bpy.types.Context, data: dict[str, Any]) -> None:
 def _show_written(
     seen: Seen,
     context: bpy.types.Context,
-    still_meant: Callable[[Changes], Changes],
+    still_meant: Callable[[Changes], Changes] | None = None,
     made: dict[str, Any] | None = None,
     new_room: str = "",
 ) -> None:
     """Bring in a house that the program has written, with those changes that still mean something.
 
-    made, new_room: as bring_in has them.
+    made, new_room: as bring_in has them. Without still_meant, its layer of changes is written, too.
     """
     keep(seen.house)
-    # The artist may have gone on meanwhile.
-    before = replace(seen, changes=_changes_now(context, seen) or seen.changes)
-    write_changes(seen.house, still_meant(before.changes))
-    session.start(context, *bring_in(seen.house, made, before, new_room))
+    before = seen
+    if still_meant:
+        # The artist may have gone on meanwhile.
+        before = replace(seen, changes=_changes_now(context, seen) or seen.changes)
+        write_changes(seen.house, still_meant(before.changes))
+    listed, finish = bring_in(seen.house, made, before, new_room)
+    if still_meant and keeps_past(context):
+        # The layer has followed what the program did: one change, not two.
+        amended = commands.past("history", seen.house, amend=True)
+        session.start(context, amended, lambda then, _: session.start(then, listed, finish))
+    else:
+        session.start(context, listed, finish)
 
 
 def _show_house(
@@ -207,6 +250,7 @@ def _show_house(
         props.warnings = "\n".join(report.warnings(made))
     if made.get("certificate"):
         show_certificate(context, made["certificate"])
+    read_past(context, house)
 
 
 def _save_last(context: bpy.types.Context, house: Path) -> None:

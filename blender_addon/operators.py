@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import bpy
 
@@ -14,7 +14,7 @@ from .core.edits import as_it_was
 from .core.errors import InputError
 from .core.layer import house_of
 from .core.options import ROWS
-from .core.program import WISHES_FROM
+from .core.program import HAS_HISTORY, WISHES_FROM, ProgramError
 from .core.revisions import keep
 from .core.tree import is_piece, room_of
 from .jobs import (
@@ -24,9 +24,11 @@ from .jobs import (
     rebuild,
     save_changes,
     show_certificate,
+    show_earlier,
     show_edited,
     show_farm_job,
     show_new_house,
+    show_past,
     show_pictures,
     show_room,
     show_understood,
@@ -183,6 +185,71 @@ class ChordDiscardEdits(JobOperator, bpy.types.Operator):
         return rebuild(seen, as_it_was(seen.changes, chosen_room(context)))
 
 
+class _Past(JobOperator):
+    """Goes along the history of the house, which is the same on every surface."""
+
+    verb: Literal["undo", "redo", "history"]
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """Saves what is changed, which is a change of its own; the import follows."""
+        seen = save_changes(context)
+        arguments = commands.past(self.verb, seen.house, self.to(context))
+        if lacking := session.program(preferences(context).program).lacking([HAS_HISTORY]):
+            raise ProgramError(lacking)
+        keep(seen.house)
+        return arguments, partial(show_earlier, seen)
+
+    def to(self, _context: bpy.types.Context) -> int:
+        """The number of the change to go back to; 0: one step. Raises InputError."""
+        return 0
+
+
+class ChordUndo(_Past, bpy.types.Operator):
+    """Take back the latest change of the house, whoever made it: panel, page or program"""
+
+    bl_idname = "chord.undo"
+    bl_label = "Undo in the house"
+    verb = "undo"
+
+
+class ChordRedo(_Past, bpy.types.Operator):
+    """Do again what was taken back last"""
+
+    bl_idname = "chord.redo"
+    bl_label = "Redo in the house"
+    verb = "redo"
+
+
+class ChordGoTo(_Past, bpy.types.Operator):
+    """Give the house the state after a change, by default the one that is chosen in the list"""
+
+    bl_idname = "chord.go_to"
+    bl_label = "Go to this change"
+    verb = "history"
+
+    number: bpy.props.IntProperty(min=0)  # type: ignore[valid-type]
+
+    def to(self, context: bpy.types.Context) -> int:
+        """The change named, or chosen in the list."""
+        props = fields(context)
+        chosen = props.past[props.past_index : props.past_index + 1]
+        if not self.number and not chosen:
+            raise InputError("Choose a change in the list first; the arrow reads it again.")
+        return self.number or chosen[0].number
+
+
+class ChordReadHistory(JobOperator, bpy.types.Operator):
+    """List what was done to the house, by this panel and elsewhere"""
+
+    bl_idname = "chord.read_history"
+    bl_label = "Read history"
+
+    def job(self, context: bpy.types.Context) -> tuple[list[str], Finish]:
+        """The command line, and the list that follows it."""
+        arguments = commands.past("history", save_changes(context).house)
+        return arguments, show_past
+
+
 class ChordCancel(bpy.types.Operator):
     """Stop the running job; nothing half-done is left"""
 
@@ -251,6 +318,10 @@ _CLASSES = (
     ChordRender,
     ChordWriteFarmJob,
     ChordDiscardEdits,
+    ChordUndo,
+    ChordRedo,
+    ChordGoTo,
+    ChordReadHistory,
     ChordCancel,
     ChordDice,
 )

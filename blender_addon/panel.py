@@ -12,7 +12,7 @@ from .core.program import EDITS_IN_WORDS, WISHES_FROM
 from .core.state import OFFERED_BY, panel_state, wrapped
 from .core.tree import has_roof, is_dressing, piece_of, storeys
 from .house import LOCKED_KEY, Objects, arranged, chosen_path, own_objects, pieces_of
-from .jobs import unsaved_folder
+from .jobs import keeps_past, unsaved_folder
 from .preferences import preferences
 from .previews import icon
 from .properties import chosen_room, fields, parsed
@@ -100,6 +100,8 @@ class ChordRoomsPanel(_HousePart, bpy.types.Panel):
         if program and WISHES_FROM in program.abilities:
             layout.prop(props, "wanted", placeholder="desk, two chairs")
             layout.prop(props, "unwanted", placeholder="sofa")
+        if asked := report.requests(parsed(props.contents), chosen_room(context)):
+            _draw_text(layout, f"Asked for: {asked}", "INFO")
         row = layout.row()
         row.prop(props, "solo")
         row.prop(props, "hide_ceilings")
@@ -142,6 +144,34 @@ class ChordWordsPanel(_HousePart, bpy.types.Panel):
             for line in props.understood.splitlines():
                 _draw_text(box, line, "CHECKMARK")
             box.operator("chord.edit_by_words", icon="PLAY")
+
+
+class ChordHistoryPanel(_HousePart, bpy.types.Panel):
+    """What was done to the house; each of it can be had again"""
+
+    bl_idname = "VIEW3D_PT_chord_history"
+    bl_label = "History"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a house, and a program that keeps its history."""
+        return super().poll(context) and keeps_past(context)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """One step back or on, and the list."""
+        props = fields(context)
+        row = _when_idle(self.layout.row(align=True))
+        # What the artist has just moved is no change of the list yet, so undo is never grey.
+        row.operator("chord.undo", text="Undo", icon="LOOP_BACK")
+        on = row.row(align=True)
+        on.enabled = props.can_redo
+        on.operator("chord.redo", text="Redo", icon="LOOP_FORWARDS")
+        row.operator("chord.read_history", text="", icon="FILE_REFRESH")
+        if props.past:
+            self.layout.template_list(
+                "UI_UL_list", "chord_past", props, "past", props, "past_index", rows=4
+            )
+            _when_idle(self.layout.row()).operator("chord.go_to", icon="TIME")
 
 
 class ChordFurniturePanel(_HousePart, bpy.types.Panel):
@@ -189,7 +219,8 @@ class ChordCertificatePanel(_HousePart, bpy.types.Panel):
         start = _when_idle(row.row())
         start.operator("chord.check_house", icon="CHECKMARK")
         for index, finding in enumerate(props.findings):
-            shown = self.layout.operator("chord.show_finding", text=finding.name, icon="ERROR")
+            icon_name = "INFO" if finding.is_planning else "ERROR"
+            shown = self.layout.operator("chord.show_finding", text=finding.name, icon=icon_name)
             shown.index = index
 
 
@@ -338,6 +369,7 @@ PANELS = (
     ChordPanel,
     ChordRoomsPanel,
     ChordWordsPanel,
+    ChordHistoryPanel,
     ChordFurniturePanel,
     ChordDressingPanel,
     ChordCertificatePanel,

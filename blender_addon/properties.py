@@ -76,6 +76,15 @@ class ChordFinding(bpy.types.PropertyGroup):
 
     paths: bpy.props.StringProperty()  # type: ignore[valid-type]
     """USD paths, one a line."""
+    is_planning: bpy.props.BoolProperty()  # type: ignore[valid-type]
+    """Whether it is a published planning number that is missed, and no fault."""
+
+
+class ChordChange(bpy.types.PropertyGroup):
+    """A line of the house's history; its name is the text."""
+
+    number: bpy.props.IntProperty()  # type: ignore[valid-type]
+    """Of the change, as the program counts."""
 
 
 def _property(row: Mapping[str, Any]) -> Any:
@@ -144,6 +153,10 @@ class ChordScene(bpy.types.PropertyGroup):
     room_index: bpy.props.IntProperty(update=_choose_room)  # type: ignore[valid-type]
     findings: bpy.props.CollectionProperty(type=ChordFinding)  # type: ignore[valid-type]
     finding_index: bpy.props.IntProperty()  # type: ignore[valid-type]
+    past: bpy.props.CollectionProperty(type=ChordChange)  # type: ignore[valid-type]
+    """What was done to the house, the latest first."""
+    past_index: bpy.props.IntProperty()  # type: ignore[valid-type]
+    can_redo: bpy.props.BoolProperty()  # type: ignore[valid-type]
     hide_ceilings: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Hide ceilings", default=True, update=_show_ceilings
     )
@@ -234,7 +247,7 @@ def chosen_room(context: bpy.types.Context) -> str:
 
 
 _register, _unregister = bpy.utils.register_classes_factory(
-    (ChordRoom, ChordObject, ChordFinding, ChordScene)
+    (ChordRoom, ChordObject, ChordFinding, ChordChange, ChordScene)
 )
 
 

@@ -151,6 +151,18 @@ def edit(house: Path, sentence: str, assets: str = "", *, only_read: bool = Fals
     ]
 
 
+def past(
+    verb: Literal["undo", "redo", "history"], house: Path, to: int = 0, *, amend: bool = False
+) -> list[str]:
+    """Arguments that go along the history of the house, or list it.
+
+    to: with "history", the number of the change to go back to. amend: what was changed since the
+    latest change is part of it. Raises InputError.
+    """
+    more = ["--to", str(to)] if to else ["--amend"] if amend else []
+    return [verb, str(_existing(house)), *more, *_REPORT]
+
+
 def describe(house: Path) -> list[str]:
     """Arguments that list what the house holds, with its changes. Raises InputError."""
     return ["describe", _seen(house), *_REPORT]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from math import isclose
 from typing import Any, TypeVar
 
 from .tree import is_placed, room_of
@@ -100,6 +101,25 @@ def moves(
         elif path in swaps or not same(placed, now[path]):
             edits[path] = Edit(placed, now[path], swaps.get(path))
     return edits
+
+
+def as_saved(changes: Changes, saved: Changes) -> Changes:
+    """The changes, with what an import has only rounded as it was saved.
+
+    So a house that nobody touches in between is saved as it was, byte for byte.
+    """
+    pieces = dict(changes.pieces)
+    for path in pieces.keys() & saved.pieces.keys():
+        old, new = saved.pieces[path], pieces[path]
+        pairs = [(old.was, new.was), (old.matrix, new.matrix)]
+        if old.swap == new.swap and all(a == b or (a and b and same(a, b)) for a, b in pairs):
+            pieces[path] = old
+    lights = {
+        path: saved.lights[path] if isclose(light, saved.lights.get(path, 0.0), rel_tol=1e-3)
+        else light
+        for path, light in changes.lights.items()
+    }  # fmt: skip
+    return replace(changes, pieces=pieces, lights=lights)
 
 
 def placements_of_house(seen: Mapping[str, Matrix], changes: Changes) -> dict[str, Matrix]:

@@ -28,14 +28,18 @@ OPTIONAL = {
     "--no-dressing": "leave rooms undressed",
     "--roof": "give a house a roof",
     "--dry-run": "change a house as a sentence says",
+    "--to": "go along the history of a house",
 }
-"""Options of `generate` and `edit` that not every version has, and what each is there to do."""
+"""Options of some verbs that not every version has, and what each is there to do."""
 
 WISHES_FROM = "--furniture"
 """Versions with this option take wanted and unwanted pieces of a room."""
 
 EDITS_IN_WORDS = "--dry-run"
 """Versions with this option take changes in words."""
+
+HAS_HISTORY = "--to"
+"""Versions with this option keep the history of each house."""
 
 ANSWER_WITHIN_S = 20.0
 
@@ -158,7 +162,7 @@ def ask(command: Sequence[str]) -> Program:
             f"{match[0]} is too old for this panel, which needs {wanted} or newer. Update it where "
             "it is installed."
         )
-    helps = (_answer(command, [verb, "--help"]).stdout for verb in ("generate", "edit"))
+    helps = (_answer(command, [verb, "--help"]).stdout for verb in ("generate", "edit", "history"))
     options = {option for text in helps for option in _OPTION.findall(text)}
     return Program(tuple(command), version, frozenset(options.intersection(OPTIONAL)))
 

@@ -39,6 +39,55 @@ def findings(report: Mapping[str, Any]) -> list[Finding]:
     return entries
 
 
+def planning(report: Mapping[str, Any]) -> list[Finding]:
+    """Published planning numbers that `check --json` finds missed, the worst room first."""
+    design = report.get("design") or {}
+    places = [*design.get("rooms", ()), *filter(None, [design.get("home")])]
+    places.sort(key=lambda place: place["rules_kept"] - place["rules"])
+    return [
+        Finding(
+            f"{short(place['path']) if place['path'] else 'The home'}, {finding['rule']}: "
+            f"{_in_units(finding, 'have')}, not {_in_units(finding, 'need')} "
+            f"({finding['source']})",
+            tuple(finding["items"] or filter(None, [place["path"]])),
+        )
+        for place in places
+        for finding in place["findings"]
+    ]
+
+
+def _in_units(finding: Mapping[str, Any], which: str) -> str:
+    unit = finding["unit"]
+    if unit == "m":
+        value = finding[f"{which}_m"]
+        return "endless" if value is None else f"{100 * value:.0f} cm"
+    value = finding[which]
+    shown = {"deg": f"{value:.0f}°", "share": f"{value:.0%}"}
+    return shown.get(unit, f"{value:g}")
+
+
+def requests(contents: Mapping[str, Any], room: str) -> str:
+    """What `describe --json` says that a room must and must not hold, in words."""
+    rooms = (entry for entry in contents.get("rooms", ()) if entry["name"] == room)
+    return str(next((entry.get("requests", "") for entry in rooms), ""))
+
+
+def past(report: Mapping[str, Any]) -> list[tuple[int, str]]:
+    """Number and words of each change that `history --json` lists, the latest first."""
+    here = report["number"]
+    lines = []
+    for change in reversed(report["changes"]):
+        verb = _VERBS_OF_OTHERS.get(change["verb"], change["verb"])
+        words = f"{verb} {change['words']}".strip() if change["verb"] != "begin" else "As it was"
+        mark = " (now)" if change["number"] == here else ""
+        lines.append((int(change["number"]), f"{change['number']}: {words}{mark}"))
+    return lines
+
+
+_VERBS_OF_OTHERS = {"outside": "by hand, or by another program"}
+"""What no verb of the program did; edits that this panel saves are among it."""
+
+
 def planned(report: Mapping[str, Any]) -> list[str]:
     """What `generate --json` understood and planned, in words; nothing for a plan."""
     plan = report.get("planned")

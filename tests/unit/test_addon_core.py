@@ -75,6 +75,52 @@ def script(folder: Path, body: str) -> Path:
     return file
 
 
+def test_a_history_is_listed_with_the_latest_change_first() -> None:
+    changes = [
+        {"number": 1, "verb": "begin", "words": "the house as it was"},
+        {"number": 2, "verb": "outside", "words": ""},
+        {"number": 4, "verb": "edit", "words": "no rug"},
+    ]
+    assert report.past({"number": 2, "changes": changes}) == [
+        (4, "4: edit no rug"),
+        (2, "2: by hand, or by another program (now)"),
+        (1, "1: As it was"),
+    ]
+
+
+def test_planning_numbers_are_said_in_their_units_the_worst_room_first() -> None:
+    finding = {
+        "rule": "beside the bed",
+        "source": "HUD",
+        "items": ["/House/Rooms/B_0/Furniture/Bed_0"],
+    }
+    metres = {**finding, "unit": "m", "have_m": 0.55, "need_m": 0.6}
+    endless = {**finding, "unit": "m", "have_m": None, "need_m": 2.0}
+    turned = {**finding, "unit": "deg", "have": 10.67, "need": 8, "items": []}
+    rooms = [
+        {"path": "/House/Rooms/A_0", "rules": 9, "rules_kept": 8, "findings": [turned]},
+        {"path": "/House/Rooms/B_0", "rules": 9, "rules_kept": 7, "findings": [metres, endless]},
+    ]
+    home = {"path": "", "rules": 3, "rules_kept": 3, "findings": []}
+    assert report.planning({"design": {"rooms": rooms, "home": home}}) == [
+        report.Finding("B_0, beside the bed: 55 cm, not 60 cm (HUD)", tuple(finding["items"])),
+        report.Finding("B_0, beside the bed: endless, not 200 cm (HUD)", tuple(finding["items"])),
+        report.Finding("A_0, beside the bed: 11°, not 8° (HUD)", ("/House/Rooms/A_0",)),
+    ]
+    assert report.planning({}) == []
+
+
+def test_what_an_import_has_rounded_is_saved_as_it_was() -> None:
+    here = ((1.0, 0.0, 0.0, 0.1), (0.0, 1.0, 0.0, 0.2), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    near = ((1.0, 0.0, 0.0, 0.1000001), *here[1:])
+    far = ((1.0, 0.0, 0.0, 0.2), *here[1:])
+    saved = edits.Changes(pieces={"/a": edits.Edit(here, far)}, lights={"/l": 2.0})
+    rounded = edits.Changes(pieces={"/a": edits.Edit(near, far)}, lights={"/l": 2.00001})
+    moved = edits.Changes(pieces={"/a": edits.Edit(near, near)}, lights={"/l": 3.0})
+    assert edits.as_saved(rounded, saved) == saved
+    assert edits.as_saved(moved, saved) == moved
+
+
 def test_the_program_is_found_and_says_its_version(tmp_path: Path) -> None:
     program = find_program(str(script(tmp_path, "print('chord-usd 1.2.3')")))
     assert program.version == (1, 2, 3)

@@ -11,7 +11,15 @@ import pytest
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime import house_history
 from chord_usd.base.runtime.alone import alone_with
-from chord_usd.base.runtime.house_history import Deed, go_to, read_history, recorded, redo, undo
+from chord_usd.base.runtime.house_history import (
+    Deed,
+    amend,
+    go_to,
+    read_history,
+    recorded,
+    redo,
+    undo,
+)
 
 
 @pytest.fixture
@@ -61,6 +69,19 @@ def test_redo_takes_the_branch_that_was_left_last(house: Path) -> None:
     assert redo(house).words == house.read_text() == "a"
     with pytest.raises(ChordError, match="nothing that was undone"):
         redo(house)
+
+
+def test_what_follows_a_change_can_be_made_part_of_it(house: Path) -> None:
+    edits = house.with_name("house.edits.usda")
+    assert amend(house).changes == ()
+    change(house, "a")
+    edits.write_text("carried")
+    after = bytes_of(house)
+    assert [one.verb for one in amend(house).changes] == ["begin", "edit"]
+    undo(house)
+    assert not edits.exists()
+    redo(house)
+    assert bytes_of(house) == after
 
 
 def test_what_is_recorded_within_a_change_is_part_of_it(house: Path) -> None:

@@ -160,6 +160,24 @@ def recorded(house: Path, deed: Deed) -> Iterator[None]:
             forget(house)
 
 
+def amend(house: Path) -> History:
+    """Take the house as it lies on disk for the state after its latest change; returns the history.
+
+    For a program that changes the layer of edits because of what this program has just done. A
+    house without a history gets none. Raises StageError as read_history does, OutputError.
+    """
+    house = _there(house)
+    with alone_with(house):
+        history, files = read_history(house), _state_of(house)
+        if history.now is None or history.now.files == files:
+            return history
+        history = history.with_now(replace(history.now, files=files))
+        with _writing(house):
+            _keep(house, files)
+            _write(house, history)
+        return history
+
+
 def forget(house: Path) -> None:
     """Remove all that is kept of a house; the house itself stays."""
     folder = _folder(house_of(house))

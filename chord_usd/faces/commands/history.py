@@ -15,7 +15,13 @@ if TYPE_CHECKING:
 def add(verbs: Verbs) -> None:
     """Adds the verb."""
     parser = add_house(verbs, "history", run, "list what was done to a house, or go back to it")
-    parser.add_argument(
+    way = parser.add_mutually_exclusive_group()
+    way.add_argument(
+        "--amend",
+        action="store_true",
+        help="first take what was changed since the latest change as part of it",
+    )
+    way.add_argument(
         "--to",
         type=whole_number(1, 10**9),
         metavar="N",
@@ -34,13 +40,13 @@ def add_house(verbs: Verbs, name: str, run: Run, summary: str) -> Parser:
 
 def run(options: argparse.Namespace) -> Outcome:
     """Runs the verb."""
-    from chord_usd.base.runtime.house_history import go_to, read_history
+    from chord_usd.base.runtime.house_history import amend, go_to, read_history
     from chord_usd.faces.commands.common import existing_file
 
     stage = existing_file(options.stage)
     if options.to is not None:
         return put_back(stage, go_to(stage, options.to), "now as after")
-    history = read_history(stage)
+    history = amend(stage) if options.amend else read_history(stage)
     lines = [_line(change, history) for change in history.changes]
     text = "\n".join([f"{stage}:", *lines] if lines else [f"{stage}: no change is kept yet"])
     return Outcome(text, _data(stage, history))
