@@ -134,7 +134,8 @@ _TABLE: tuple[tuple[str, str, str], ...] = (
     ("feature", "east wall", "east wall|eastern wall|right wall|right hand wall|wall on the right"),
     ("feature", "south wall", "south wall|southern wall|bottom wall"),
     ("feature", "west wall", "west wall|western wall|left wall|left hand wall|wall on the left"),
-    ("feature", "opposite wall", "opposite wall|other wall|wall opposite|far wall"),
+    ("feature", "opposite wall", "opposite wall|other wall|wall opposite|far wall"
+     "|back wall|rear wall"),
     ("feature", "corner", "corner|corners"),
     ("feature", "middle", "middle|center|centre|middle of the room|center of the room"
      "|centre of the room"),

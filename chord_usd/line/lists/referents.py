@@ -166,10 +166,22 @@ class Referents:
             items = [item for item in items if item.room_id == beside]
         elif not rooms and self.room_said and any(item.room_id == self.room_said for item in items):
             items = [item for item in items if item.room_id == self.room_said]
+        if not noun.is_every:
+            items = self._usual(noun, items)
         if len({item.room_id for item in items}) > 1 and not noun.is_every:
             names = ", ".join(dict.fromkeys(self.name(item.room_id) for item in items))
             raise not_understood(clause.words, f"'{noun.said}' may be that of {names}", ROOM_TOO)
         return items
+
+    def _usual(self, noun: Noun, items: Sequence[Item]) -> list[Item]:
+        """Of one piece in several rooms, that of the room where such a piece belongs first, where
+        the home has one such room: "the dining table" is that of the dining room."""
+        if len({item.room_id for item in items}) < 2 or self.is_group(noun):
+            return list(items)
+        homes = category(noun.thing.categories[0]).rooms
+        kinds = [kind for kind in homes[:1] if kind not in ("bedroom", "unknown")]
+        usual = [item for item in items if self._kinds[item.room_id] in kinds]
+        return usual if len({item.room_id for item in usual}) == 1 else list(items)
 
     @staticmethod
     def is_group(noun: Noun) -> bool:
@@ -213,6 +225,7 @@ class Referents:
             if not items:
                 place = f"in {self.name(room)}" if room else "in the house"
                 raise not_understood(clause.words, f"no {anchor.said} {place}")
+            items = items if room else self._usual(anchor, items)
             if not room and len({item.room_id for item in items}) > 1:
                 names = ", ".join(dict.fromkeys(self.name(item.room_id) for item in items))
                 raise not_understood(

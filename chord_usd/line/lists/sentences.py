@@ -7,12 +7,12 @@ meaning, raises a ChordError that says so.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from chord_usd.base.errors import ChordError
 from chord_usd.base.scene.intents import Intent
 from chord_usd.base.scene.types import Room, SceneGraph
-from chord_usd.line.lists.clauses import WHERE, not_understood
+from chord_usd.line.lists.clauses import WHERE, Clause, not_understood
 from chord_usd.line.lists.said_clauses import clauses_of
 from chord_usd.line.lists.verbs import Reader
 
@@ -45,6 +45,9 @@ def understand(sentence: str, graph: SceneGraph, rooms: Mapping[str, Room]) -> U
     intents: list[Intent] = []
     for at, clause in enumerate(read.clauses):
         following = read.clauses[at + 1 :]
+        if intents and (worn := _worn(intents[-1], clause)):
+            intents[-1] = worn
+            continue
         try:
             more = reader.intents(clause, following)
         except ChordError as error:
@@ -55,6 +58,15 @@ def understand(sentence: str, graph: SceneGraph, rooms: Mapping[str, Room]) -> U
         raise not_understood(" ".join(sentence.split()), "it asks for nothing")
     _refuse_contradictions(intents)
     return Understood(tuple(intents), tuple(read.slips))
+
+
+def _worn(intent: Intent, clause: Clause) -> Intent | None:
+    """A new piece in a look that is said after it: "make the sofa bigger. Dark leather." """
+    rest = clause.nouns or clause.rooms or clause.surfaces or clause.verb or clause.is_it
+    if intent.new is None or intent.action == "remove" or clause.coat is None or rest:
+        return None
+    wording = f"{intent.wording}, {clause.coat.name}"
+    return replace(intent, new=replace(intent.new, coat=clause.coat), wording=wording)
 
 
 def _with_known(error: ChordError, known: str) -> ChordError:
