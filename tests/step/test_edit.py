@@ -71,6 +71,13 @@ def test_rooms_that_are_not_meant_stay_byte_for_byte(
     assert not worse(report, done)
 
 
+def test_what_is_added_is_asked_for_when_its_room_is_furnished_again(house: Path) -> None:
+    edit(house, "put a desk in bedroom 2", house)
+    assert read_house(house).requests == {"Bedroom_1": "desk"}
+    chord_usd.open(house).undo()
+    assert not any(read_house(house).requests.values())
+
+
 def test_a_piece_is_turned_where_it_stands_with_all_that_it_wears(house: Path) -> None:
     before = only(house, "leisure_sofa", "Balcony_0")
     chord_usd.open(house).edit("rotate the armchair on the balcony by 90 degrees clockwise")
@@ -187,7 +194,7 @@ def test_a_dry_run_says_what_is_understood_and_writes_nothing(
     [
         ("replace the toilet by a washing machine", "Bathroom_0 lacks toilet"),
         ("turn the sofa to the window", "Sofa_0 is turned away"),
-        ("move the coffee table 5 m west", "blocks it"),
+        ("move the coffee table 20 m west", "blocks it"),
     ],
 )
 def test_what_makes_a_house_worse_is_refused_with_its_place_unless_forced(

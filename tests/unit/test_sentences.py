@@ -17,7 +17,9 @@ from chord_usd.base.scene.geometry import to_own
 from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import Asset, Box, Item, Room, SceneGraph
 from chord_usd.line.arrange.asked_edits import carry_out
+from chord_usd.line.arrange.asked_leeway import worse
 from chord_usd.line.arrange.asked_work import Work
+from chord_usd.line.lists.kept_requests import kept_requests
 from chord_usd.line.lists.sentences import Understood, understand
 from chord_usd.line.stage.author.names import name_rooms
 from tests.house_facts import Facts
@@ -268,12 +270,87 @@ def test_a_new_piece_goes_to_the_one_room_of_its_kind(
         ("add a coffee table and a fridge",
          ["add 1 × coffee table to Living Room 1", "add 1 × fridge to Kitchen 1"]),
         ("turn the sofa to face the window", ["turn sofa in Living Room 1 to the window"]),
+        ("rotate the sofa", ["turn sofa in Living Room 1 by 90° counter-clockwise"]),
+        ("make the sofa bigger. Dark leather.",
+         ["replace sofa in Living Room 1 by 1 × sofa of a larger size, dark leather"]),
     ],
 )  # fmt: skip
 def test_a_sentence_means_one_thing(
     sentence: str, told: list[str], house: SceneGraph, rooms: dict[str, Room]
 ) -> None:
     assert understand(sentence, house, rooms).told == told
+
+
+@pytest.mark.parametrize(
+    ("sentence", "note"),
+    [
+        ("move the bed in bedroom 1 20 cm to the left", "with its bed background, bedside table"),
+        ("move the dining table in the dining room 50 cm to the left", "35 cm instead of 50 cm"),
+    ],
+)
+def test_what_comes_nearest_to_what_was_asked_is_done_and_said(
+    house: SceneGraph, rooms: dict[str, Room], sentence: str, note: str
+) -> None:
+    intents = understand(sentence, house, rooms).intents
+    work = done(house, understand(sentence, house, rooms))
+    assert any(note in line for line in work.notes), work.notes
+    assert not worse(house, work.graph)
+    assert faults(work.graph) <= faults(house)
+    assert set(intents[0].items) <= set(work.moved)
+
+
+def test_what_makes_the_house_worse_is_done_only_where_nothing_else_is_left(
+    house: SceneGraph, rooms: dict[str, Room]
+) -> None:
+    understood = understand("move the dining table in the dining room to the left", house, rooms)
+    first = carry_out(Work(house, UsualSizes, judge=lambda *_: ()), understood.intents)
+    seen = []
+
+    def boxes(graph: SceneGraph) -> dict[str, Box]:
+        return {item.id: item.box for item in graph.items}
+
+    def judge(before: SceneGraph, after: SceneGraph) -> list[str]:
+        seen.append(after)
+        return ["worse"] if boxes(after) == boxes(first.graph) else []
+
+    second = carry_out(Work(house, UsualSizes, judge=judge), understood.intents)
+    assert boxes(second.graph) != boxes(first.graph)
+    always = Work(house, UsualSizes, judge=lambda *_: ["worse"])
+    assert boxes(carry_out(always, understood.intents).graph) == boxes(first.graph)
+    assert len(seen) > 1
+
+
+@pytest.mark.parametrize(
+    ("before", "sentence", "after"),
+    [
+        ("", "add a desk to bedroom 1", "desk"),
+        ("no desk, single bed", "add a desk to bedroom 1", "single bed, desk"),
+        ("desk", "no desk in bedroom 1", "no desk"),
+        ("", "add a mirror to bedroom 1", ""),
+        ("", "add a bedside table to bedroom 1", "bedside table, bedside table, bedside table"),
+    ],
+)
+def test_what_an_edit_adds_is_asked_for_from_then_on(
+    house: SceneGraph, rooms: dict[str, Room], before: str, sentence: str, after: str
+) -> None:
+    intents = understand(sentence, house, rooms).intents
+    then = [item.category for item in house.items_of(rooms["Bedroom_0"].id)]
+    now = [*then, *(one.new.category for one in intents if one.action == "add" and one.new)]
+    assert kept_requests(before, intents, then, now) == after
+
+
+def test_a_piece_without_a_room_is_that_of_the_room_where_it_belongs(
+    house: SceneGraph, rooms: dict[str, Room]
+) -> None:
+    (rug,) = (item for item in house.dressing if item.category == "rug")
+    living = next(room.id for room in house.rooms if room.kind == "living")
+    twice = replace(rug, id=f"{living}/rug_0", room_id=living)
+    two = replace(house, dressing=(*house.dressing, twice))
+    (intent,) = understand("remove the rug", two, rooms).intents
+    assert intent.items == (twice.id,)
+    for said in ("remove the bed", "remove the rugs"):  # of two bedrooms; of which of two rooms
+        with pytest.raises(ChordError, match="may be that of"):
+            understand(said, two, rooms)
 
 
 @pytest.mark.parametrize("name", ["kitchen", "living room", "balcony"])

@@ -60,6 +60,8 @@ class NewPiece:
     style: str = ""
     form: str = ""
     """A word of the names of models, such as round."""
+    word: str = ""
+    """What it was called."""
     is_other: bool = False
     """Whether it is to be another model than the piece that it replaces."""
 

@@ -91,7 +91,8 @@ def run(options: argparse.Namespace) -> Outcome:
     data = {
         "stage": str(target), **_data(reading), "added": list(done.added),
         "removed": list(done.removed), "moved": list(done.moved),
-        "taken_over": list(done.taken_over), "states": [], "written": is_written,
+        "notes": list(done.notes), "taken_over": list(done.taken_over), "states": [],
+        "written": is_written,
         "seconds": watch.seconds, "certificate": check,
     }  # fmt: skip
     counts = ", ".join(
@@ -101,7 +102,10 @@ def run(options: argparse.Namespace) -> Outcome:
     )
     written = "nothing is written" if not is_written else counts or "done"
     written = "a dry run, nothing is written" if options.dry_run else written
-    text = reported(check, *_told(reading), f"{target}: {written}")
+    notes = [
+        f"so that it can be done: {note}" if "instead" in note else note for note in done.notes
+    ]
+    text = reported(check, *_told(reading), *notes, f"{target}: {written}")
     return Outcome(text, data, holds(check))
 
 
@@ -118,7 +122,7 @@ def _set_states(source: Path, target: Path, options: argparse.Namespace) -> Outc
     data = {
         "stage": str(target), "understood": [], "answer": "", "read_as": [], "rooms": [],
         "added": [],
-        "removed": [], "moved": [], "taken_over": [],
+        "removed": [], "moved": [], "notes": [], "taken_over": [],
         "states": [{"subject": state.subject, "state": state.state, "paths": list(state.paths)}
                    for state in stated],
         "written": not options.dry_run, "seconds": watch.seconds, "certificate": check,

@@ -174,6 +174,7 @@ class Edited(TypedDict):
     rooms: list[str]
     added: list[str]
     removed: list[str]
+    notes: list[str]
     moved: list[str]
     taken_over: list[str]
     states: list[Stated]

@@ -11,15 +11,29 @@ from dataclasses import replace
 from itertools import count
 from typing import NamedTuple
 
+from chord_usd.base.errors import ChordError
 from chord_usd.base.scene.intents import Intent, NewPiece
 from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import Asset, Box, Item
 from chord_usd.library.colourways import colourway_like, offer_of
 from chord_usd.library.component import COLOUR_VARIANT_SET as COLOUR
 from chord_usd.library.looks.look_words import look_wanted
+from chord_usd.line.arrange.asked_leeway import leeways
 from chord_usd.line.arrange.asked_moves import face, move, swap, turn
 from chord_usd.line.arrange.asked_places import Floor
-from chord_usd.line.arrange.asked_work import Catalogue, Work, best_place, called, refused, score_of
+from chord_usd.line.arrange.asked_work import (
+    Catalogue,
+    Score,
+    Work,
+    best_place,
+    called,
+    refused,
+    score_of,
+    with_resting,
+)
+
+_ASIDE_M = 2.5
+"""What gives way goes no farther."""
 
 _LIKE, _ALIKE = 0.15, 0.5
 """Models whose length differs by no larger share are of like size; where a form is asked for, too,
@@ -27,25 +41,82 @@ by the second."""
 
 
 def carry_out(work: Work, intents: Sequence[Intent]) -> Work:
-    """Do it, one after the other. Raises ChordError for what cannot be done."""
+    """The house with everything done, one after the other. Raises ChordError for what cannot be.
+
+    Of the candidates of each (asked_leeway) the first is taken that makes nothing worse, as the
+    work judges; where there is none, the first that can be done.
+    """
     for intent in intents:
         touched = [item_id for item_id in intent.items if item_id in work.locked]
         if touched and intent.action not in ("lock", "unlock"):
             raise refused(intent, f"{touched[0].split('/')[-1]} is locked", try_="unlock it first")
-        _ACTIONS[intent.action](work, intent)
+        work = _done(work, intent)
     return work
+
+
+def _done(work: Work, intent: Intent) -> Work:
+    possible: list[Work] = []
+    errors: list[ChordError] = []
+    for leeway in leeways(intent):
+        tried = work.tried(intent, leeway)
+        try:
+            _ACTIONS[intent.action](tried, intent)
+            _give_way(tried, intent)
+        except ChordError as error:
+            errors.append(error)
+            continue
+        possible.append(tried)
+        if not work.judge(work.graph, tried.graph):
+            return tried
+    if not possible:
+        raise errors[0]
+    return possible[0]
+
+
+def _give_way(work: Work, intent: Intent) -> None:
+    """Move what may give way, and stands where a piece has come to stand."""
+    assert work.start is not None
+    stood = {item.id: item.box for item in work.start.items}
+    came = [item for item in work.graph.items if stood.get(item.id) != item.box]
+    moved = []
+    for thing_id in sorted(work.aside):
+        thing = work.item(thing_id)
+        arrived = replace(work.graph, items=tuple(i for i in came if i.id != thing.id), dressing=())
+        if not Floor(arrived, work.room(thing.room_id)).is_taken(thing):
+            continue
+        floor = Floor(work.graph, work.room(thing.room_id), with_resting(work, [thing]))
+        place = best_place(replace(work, graph=work.graph.without({thing.id})), floor, thing,
+                           _near(thing))  # fmt: skip
+        if place is None:
+            raise refused(intent, f"{category(thing.category).label.lower()} blocks it")
+        work.move(thing, place.box)
+        moved.append(category(thing.category).label.lower())
+    if moved:
+        work.notes.append(f"{', '.join(dict.fromkeys(moved))} moved aside")
+
+
+def _near(thing: Item) -> Score:
+    """The nearest place to where a thing is, within a few steps."""
+
+    def score(placed: Item) -> tuple[float, ...] | None:
+        away_m = math.dist(placed.box.center_m[:2], thing.box.center_m[:2])
+        return (away_m,) if away_m < _ASIDE_M else None
+
+    return score
 
 
 def _add(work: Work, intent: Intent) -> None:
     assert intent.new is not None
     for _ in range(intent.count):
-        _place_new(work, intent, intent.new, frozenset())
+        _place_new(work, intent, intent.new)
 
 
-def _place_new(work: Work, intent: Intent, new: NewPiece, gone: frozenset[str]) -> Item:
-    """Put a new piece where the intent wants it; of smaller ones, where the usual has no place."""
-    floor = Floor(work.graph, work.room(intent.room), gone)
-    old = work.item(intent.items[0]) if intent.items else None
+def _place_new(work: Work, intent: Intent, new: NewPiece, old: Item | None = None) -> Item:
+    """Put a new piece where the intent wants it; of smaller ones, where the usual has no place.
+
+    old: the piece that it replaces, which is gone.
+    """
+    floor = work.floor(intent.room)
     candidates: list[tuple[Item, str]] = []
     model = None
     for model in _models(work, new, old):
@@ -151,10 +222,18 @@ def _new_item(work: Work, name: str, asset: Asset, room_id: str) -> Item:
 
 def _replace(work: Work, intent: Intent) -> None:
     assert intent.new is not None
-    (old_id,) = intent.items
-    gone = frozenset([old_id, *(item.id for item in work.resting_on(old_id))])
-    _place_new(work, intent, intent.new, gone)
-    work.remove(list(gone))
+    old = work.item(intent.items[0])
+    new, was_m = intent.new, old.box.size_m[0]
+    share, asked_m = work.leeway.share, sum(intent.new.length_m) / 2
+    if share < 1:
+        by_m = (share - 1) * (asked_m - was_m)
+        new = replace(new, length_m=(new.length_m[0] + by_m, new.length_m[1] + by_m))
+    work.remove([old.id, *(item.id for item in work.resting_on(old.id))])
+    placed = _place_new(work, intent, new, old)
+    if math.isfinite(asked_m):
+        instead = "" if share == 1 else f", instead of {100 * asked_m:.0f} cm"
+        sizes = f"{100 * placed.box.size_m[0]:.0f} cm long, was {100 * was_m:.0f} cm"
+        work.notes.append(f"{sizes}{instead}")
 
 
 def _remove(work: Work, intent: Intent) -> None:

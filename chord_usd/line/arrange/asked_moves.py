@@ -21,8 +21,10 @@ from chord_usd.base.scene.geometry import (
     to_world,
 )
 from chord_usd.base.scene.intents import COMPASS_DEG, DOOR, WINDOW, Intent, way_deg
+from chord_usd.base.scene.palette import category
 from chord_usd.base.scene.types import Box, FloatArray, Item
 from chord_usd.base.scene.units import rotation_2d, wrap_deg
+from chord_usd.line.arrange.asked_leeway import belongings
 from chord_usd.line.arrange.asked_places import NEAR_M, Floor
 from chord_usd.line.arrange.asked_work import (
     TRIED,
@@ -36,8 +38,8 @@ from chord_usd.line.arrange.asked_work import (
     with_resting,
 )
 
-_STEPS_M = (0.5, 0.4, 0.3, 0.2)
-"""How far "nearer" moves a piece, where nothing says it: the farthest that is free."""
+_SOME_M, _LEAST_M = 0.5, 0.2
+"""How far "nearer" moves a piece where nothing says it, and how much nearer another place is."""
 
 _ASIDE_DEG = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
 """Ways to go nearer where something is in the straight one."""
@@ -47,12 +49,6 @@ _SEEN_M, _FARTHEST_M = 9.0, 4.0
 
 _SIDEWAYS = 15
 """Steps of 0.1 m that a piece may stand beside the place of the one that it is swapped with."""
-
-_BELONGS: dict[str, tuple[str, ...]] = {
-    "bed": ("bedside_table", "bed_background"), "sofa": ("sofa_background",),
-}  # fmt: skip
-_BELONGS_M = 0.35
-"""What belongs to a piece, and stands no farther from it."""
 
 _GRID_M = 0.1
 """Between places that a turned piece is tried at."""
@@ -71,12 +67,21 @@ def _group(work: Work, item: Item) -> list[Item]:
 
 
 def _with_belongings(work: Work, item: Item) -> list[Item]:
-    """A group, and what belongs to a bed or a sofa: on other walls it would be of no use."""
-    shape, kinds = footprint_polygon(item.box), _BELONGS.get(item.category, ())
-    near = [piece for piece in work.graph.items_of(item.room_id)
-            if piece.category in kinds and piece.id not in work.locked
-            and footprint_polygon(piece.box).distance(shape) < _BELONGS_M]  # fmt: skip
-    return [*_group(work, item), *near]
+    near = belongings(work.graph, item)
+    return [*_group(work, item), *(piece for piece in near if piece.id not in work.locked)]
+
+
+def _going(work: Work, intent: Intent, item: Item) -> list[Item]:
+    """What moves, by this candidate."""
+    group = _group(work, item)
+    if not work.leeway.is_together:
+        return group
+    all_of_it = _with_belongings(work, item)
+    if len(all_of_it) == len(group):
+        raise refused(intent, "nothing belongs to it")
+    names = dict.fromkeys(category(piece.category).label.lower() for piece in all_of_it[1:])
+    work.notes.append(f"with its {', '.join(names)}")
+    return all_of_it
 
 
 def _shifted(item: Item, by_m: FloatArray) -> Item:
@@ -87,7 +92,7 @@ def _shifted(item: Item, by_m: FloatArray) -> Item:
 def _blocked(work: Work, group: Sequence[Item], room_id: str, by_m: FloatArray) -> str:
     """Name of the obstacle of pieces that are moved together; "" without one."""
     gone = with_resting(work, group)
-    floor = Floor(work.graph, work.room(room_id), gone)
+    floor = work.floor(room_id, gone)
     blockers = (floor.obstacle_at(_shifted(piece, by_m)) for piece in group)
     return next((blocker for blocker in blockers if blocker), "")
 
@@ -114,7 +119,7 @@ def _direction(work: Work, intent: Intent, item: Item) -> FloatArray:
     if intent.way:
         way = math.radians(way_deg(intent.way, item.box.yaw_deg))
         return np.array([math.cos(way), math.sin(way)])
-    floor = Floor(work.graph, work.room(item.room_id))
+    floor = work.floor(item.room_id)
     at = shapely.Point(item.box.center_m[:2])
     shapes = floor.shapes(intent.anchors)
     if not shapes:
@@ -129,32 +134,41 @@ def _direction(work: Work, intent: Intent, item: Item) -> FloatArray:
 
 def _move_by(work: Work, intent: Intent, item: Item) -> None:
     assert intent.distance_m is not None
-    group = _group(work, item)
-    by_m = _direction(work, intent, item) * intent.distance_m
+    group = _going(work, intent, item)
+    by_m = _direction(work, intent, item) * intent.distance_m * work.leeway.share
     blocked = _blocked(work, group, item.room_id, by_m)
     if blocked:
         raise refused(intent, f"{blocked} blocks it", "a free place")
     _shift(work, group, by_m)
+    if work.leeway.share < 1:
+        done_cm, asked_cm = 100 * intent.distance_m * work.leeway.share, 100 * intent.distance_m
+        work.notes.append(f"{done_cm:.0f} cm instead of {asked_cm:.0f} cm")
 
 
 def _move_some(work: Work, intent: Intent, item: Item) -> None:
-    """Move nearer or farther: straight or, past an obstacle, to the nearest place of that kind."""
-    group = _group(work, item)
+    """Move nearer or farther, or to a side: straight or a little aside past an obstacle."""
+    if work.leeway.is_anywhere:
+        _move_there(work, intent, item)
+        return
+    group = _going(work, intent, item)
     way = _direction(work, intent, item)
-    blocked = ""
-    for gain_m in _STEPS_M:
-        for aside_deg in _ASIDE_DEG:
-            by_m = rotation_2d(aside_deg) @ way * gain_m / math.cos(math.radians(aside_deg))
-            if _leaves_wall(item, by_m):
-                continue
-            obstacle = _blocked(work, group, item.room_id, by_m)
-            if not obstacle:
-                _shift(work, group, by_m)
-                return
-            blocked = blocked or obstacle
-    if intent.way:
-        raise refused(intent, f"{blocked or 'its wall'} is in the way", "another way")
-    floor = Floor(work.graph, work.room(item.room_id), with_resting(work, [item]))
+    blocked, gain_m = "", _SOME_M * work.leeway.share
+    for aside_deg in _ASIDE_DEG:
+        by_m = rotation_2d(aside_deg) @ way * gain_m / math.cos(math.radians(aside_deg))
+        if _leaves_wall(item, by_m):
+            continue
+        obstacle = _blocked(work, group, item.room_id, by_m)
+        if not obstacle:
+            _shift(work, group, by_m)
+            work.notes.append(f"{100 * gain_m:.0f} cm")
+            return
+        blocked = blocked or obstacle
+    raise refused(intent, f"{blocked or 'its wall'} is in the way", "another way")
+
+
+def _move_there(work: Work, intent: Intent, item: Item) -> None:
+    """Move to the nearest place that is nearer, or farther."""
+    floor = work.floor(item.room_id, with_resting(work, [item]))
     shape = footprint_polygon(item.box)
     sign = 1.0 if intent.relation == "away from" else -1.0
     before_m = min(float(shape.distance(anchor)) for anchor in floor.shapes(intent.anchors))
@@ -162,13 +176,13 @@ def _move_some(work: Work, intent: Intent, item: Item) -> None:
     def score(placed: Item) -> tuple[float, ...] | None:
         outline = footprint_polygon(placed.box)
         now_m = min(float(outline.distance(anchor)) for anchor in floor.shapes(intent.anchors))
-        if sign * (now_m - before_m) < _STEPS_M[-1]:
+        if sign * (now_m - before_m) < _LEAST_M:
             return None
         return (math.dist(placed.box.center_m[:2], item.box.center_m[:2]),)
 
-    place = _best_of_old(work, floor, item, score) if len(group) == 1 else None
+    place = _best_of_old(work, floor, item, score) if len(_group(work, item)) == 1 else None
     if place is None:
-        raise refused(intent, f"{blocked} blocks it" if blocked else "no place was found there")
+        raise refused(intent, "no place was found there")
     work.move(item, place.box)
 
 
@@ -181,12 +195,12 @@ def _leaves_wall(item: Item, by_m: FloatArray) -> bool:
 
 def _best_of_old(work: Work, floor: Floor, item: Item, score: Score) -> Item | None:
     rest = replace(work.graph, items=tuple(i for i in work.graph.items if i.id != item.id))
-    beside = Work(rest, work.database)
+    beside = replace(work, graph=rest)
     return best_place(beside, floor, item, score)
 
 
 def _move_beside(work: Work, intent: Intent, item: Item) -> None:
-    floor = Floor(work.graph, work.room(item.room_id), with_resting(work, [item]))
+    floor = work.floor(item.room_id, with_resting(work, [item]))
     place = _best_of_old(work, floor, item, _score_near(floor, intent, item))
     if place is None:
         raise refused(intent, "no place was found there", "what the room has place for")
@@ -206,7 +220,7 @@ def _score_near(floor: Floor, intent: Intent, item: Item) -> Score:
 
 
 def _move_to_room(work: Work, intent: Intent, item: Item) -> None:
-    floor = Floor(work.graph, work.room(intent.to_room), with_resting(work, [item]))
+    floor = work.floor(intent.to_room, with_resting(work, [item]))
     place = _best_of_old(work, floor, item, score_of(work, floor, intent))
     if place is None:
         raise refused(intent, f"no place was found in {called(work, intent.to_room)}")
@@ -224,7 +238,7 @@ def face(work: Work, intent: Intent) -> None:
     if intent.way:
         _turn_to(work, intent, item, COMPASS_DEG[intent.way] + 90.0, _FARTHEST_M)
         return
-    floor = Floor(work.graph, work.room(item.room_id))
+    floor = work.floor(item.room_id)
     shapes = floor.shapes(intent.anchors[:1])
     at = shapely.Point(item.box.center_m[:2])
     holes = [
@@ -269,7 +283,7 @@ def _turn_to(
     nobody in. target: to be in sight from there."""
     turned = _turned(item, yaw_deg)
     group = _group(work, item)
-    floor = Floor(work.graph, work.room(item.room_id), with_resting(work, group))
+    floor = work.floor(item.room_id, with_resting(work, group))
     blocked = floor.obstacle_at(turned)
     if len(group) > 1:
         raise refused(intent, "its chairs would block it", "a table without chairs")
@@ -291,7 +305,7 @@ def swap(work: Work, intent: Intent) -> None:
     with_all = [_with_belongings(work, item), _with_belongings(work, other)]
     for groups in (with_all, [[item], [other]]):
         gone = with_resting(work, [piece for group in groups for piece in group])
-        floor = Floor(work.graph, work.room(intent.room), gone)
+        floor = work.floor(intent.room, gone)
         places = [list(islice(_places_of(floor, groups[at], groups[1 - at][0]), TRIED))
                   for at in (0, 1)]  # fmt: skip
         pairs = ((first, second) for first in places[0] for second in places[1])

@@ -117,6 +117,11 @@ class Floor:
         hit = self._taken.hit(item.box, ignoring)
         return self._named(*hit) if hit else ""
 
+    def is_taken(self, item: Item) -> bool:
+        """Whether a piece stands where this one does."""
+        hit = self._taken.hit(item.box, {"open", "pane", "clear"})
+        return hit is not None and hit[0] == "piece"
+
     @cached_property
     def _swings(self) -> shapely.Geometry:
         """Floor over which doors, drawers and flaps of furniture swing."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice
-from typing import Protocol
+from typing import Any, Protocol
 
 from chord_usd.base.errors import ChordError
-from chord_usd.base.metrics.complete import TABLES, homely_rooms
+from chord_usd.base.metrics.complete import TABLES
 from chord_usd.base.metrics.walk import walk
 from chord_usd.base.scene.geometry import footprint_polygon, to_own, to_world
 from chord_usd.base.scene.intents import Intent
@@ -17,11 +18,16 @@ from chord_usd.base.scene.palette import Level, Mount, category
 from chord_usd.base.scene.style_rooms import Part, Wanted
 from chord_usd.base.scene.types import Asset, Box, Item, Room, SceneGraph
 from chord_usd.base.scene.units import wrap_deg
+from chord_usd.line.arrange.asked_leeway import Judge, Leeway, flaws, small_things, worse
 from chord_usd.line.arrange.asked_places import NEAR_M, Floor
 from chord_usd.line.graph.match import Database
 
 TRIED = 48
 """Of the best places, so many are asked whether rooms can still be reached."""
+
+
+JUDGED = 8
+"""Of those where nothing stands wrongly, so many are judged by all that may be worse."""
 
 
 class Catalogue(Database, Protocol):
@@ -61,6 +67,27 @@ class Work:
     """Colourways that things get, by id."""
     looks: dict[tuple[str, Part], Wanted] = field(default_factory=dict)
     """Looks of walls and floors, by id of the room."""
+    notes: list[str] = field(default_factory=list)
+    """How what is done differs from what was asked, or says it more exactly; a line each."""
+    judge: Judge = worse
+    leeway: Leeway = field(default_factory=Leeway)
+    """Of the candidate that is tried."""
+    start: SceneGraph | None = None
+    """The house before what is tried."""
+    aside: frozenset[str] = frozenset()
+    """Ids of things that may give way to it."""
+
+    def tried(self, intent: Intent, leeway: Leeway) -> Work:
+        """A copy to try a candidate on."""
+        kept = ("locked", "new", "moved", "styles", "locks", "colours", "looks", "notes")
+        copies: dict[str, Any] = {name: copy(getattr(self, name)) for name in kept}
+        gives_way = leeway.gives_way
+        aside = small_things(self.graph, intent, self.locked) if gives_way else frozenset()
+        return replace(self, leeway=leeway, start=self.graph, aside=aside, **copies)
+
+    def floor(self, room_id: str, gone: frozenset[str] = frozenset()) -> Floor:
+        """A room to find places in. gone: ids of things that are no obstacles."""
+        return Floor(self.graph, self.room(room_id), gone | self.aside)
 
     def room(self, room_id: str) -> Room:
         return next(room for room in self.graph.rooms if room.id == room_id)
@@ -172,21 +199,18 @@ def best_place(work: Work, floor: Floor, item: Item, score: Score) -> Item | Non
     free = list(islice((piece for _, _, piece in scored if not floor.obstacle_at(piece)), TRIED))
     if not free or category(item.category).mount is not Mount.FLOOR:
         return free[0] if free else None
-    known = _flaws(work.graph)
-    right = (placed for placed in free if _flaws(_with(work.graph, placed)) <= known)
-    return next((placed for placed in chain(right, free) if not shuts_in(work, placed)), None)
+    known = flaws(work.graph)
+    right = [placed for placed in free if flaws(_with(work.graph, placed)) <= known]
+    start = work.start or work.graph
+    good = (placed for placed in right[:JUDGED]
+            if not work.judge(start, _with(work.graph, placed)))  # fmt: skip
+    places = chain(good, right, free)
+    return next((placed for placed in places if not shuts_in(work, placed)), None)
 
 
 def _with(graph: SceneGraph, placed: Item) -> SceneGraph:
     rest = (piece for piece in graph.items if piece.id != placed.id)
     return replace(graph, items=(*rest, placed))
-
-
-def _flaws(graph: SceneGraph) -> set[tuple[str, str]]:
-    """What rooms lack, and what stands wrongly in them."""
-    rooms = homely_rooms(graph)
-    lacks = {(room.room, name) for room in rooms for name in room.missing}
-    return lacks | {(misfit.item, misfit.fault) for room in rooms for misfit in room.misplaced}
 
 
 def shuts_in(work: Work, placed: Item) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 from chord_usd.base.errors import ChordError
 from chord_usd.base.scene.intents import Coat
@@ -28,7 +29,7 @@ class Noun:
     is_less: bool = False
     is_only: bool = False
     is_other: bool = False
-    size: str = ""
+    size: Literal["", "small", "large"] = ""
     form: str = ""
     coat: Coat | None = None
 

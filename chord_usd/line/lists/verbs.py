@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import cast
+from typing import Literal, cast
 
 from chord_usd.base.scene.intents import Action, Coat, Intent, NewPiece, Relation, Surface, Way
 from chord_usd.base.scene.palette import Level, category
@@ -157,8 +157,11 @@ class Reader(Referents):
             )
         anchors = self.anchors(clause, room)
         relation = cast(Relation, clause.relation)
-        size = noun.size or {1: "large", -1: "small"}.get(clause.scale, "")
-        new = NewPiece(chosen, noun.thing.length_m, size, noun.coat, clause.style, noun.form)  # type: ignore[arg-type]
+        scaled: dict[int, Literal["large", "small"]] = {1: "large", -1: "small"}
+        size = noun.size or scaled.get(clause.scale, "")
+        new = NewPiece(
+            chosen, noun.thing.length_m, size, noun.coat, clause.style, noun.form, noun.thing.word
+        )
         wording = f"add {count} × {_coated(noun.coat)}{noun.thing.word} to {self.name(room)}"
         wording += self._where(clause)
         return Intent(
@@ -195,7 +198,9 @@ class Reader(Referents):
         for room in rooms if noun.is_denied and rooms else dict.fromkeys(i.room_id for i in items):
             ids = tuple(item.id for item in items if item.room_id == room)
             wording = f"remove {len(ids)} × {noun.thing.word} from {self.name(room)}"
-            barred = NewPiece(noun.thing.categories[0]) if noun.is_denied else None
+            barred = (
+                NewPiece(noun.thing.categories[0], word=noun.thing.word) if noun.is_denied else None
+            )
             yield Intent("remove", room, wording, ids, barred)
 
     def _to_remove(self, clause: Clause, noun: Noun, rooms: Sequence[str]) -> list[Item]:
@@ -246,6 +251,8 @@ class Reader(Referents):
     def _turn(self, clause: Clause, following: Sequence[Clause]) -> list[Intent]:
         if clause.degrees is None and clause.way in _QUARTERS:
             clause.degrees, clause.way = _QUARTERS[clause.way], ""
+        if clause.degrees is None and not clause.anchors and not clause.way:
+            clause.degrees = 90.0  # "rotate the sofa": a quarter turn, as buttons of planners do
         if clause.degrees is None:
             return self._face(clause, following)
         _refuse_rest(clause, "distance_m", "way", "number", "anchors")
@@ -328,7 +335,9 @@ class Reader(Referents):
             wording = f"{named}{clause.style or 'other'} {old[0].category.replace('_', ' ')}"
             return [Intent("replace", room, wording, (old[0].id,), new)]
         chosen = self.categories(noun, room)[0]
-        new = NewPiece(chosen, noun.thing.length_m, noun.size, coat, clause.style, noun.form)  # type: ignore[arg-type]
+        new = NewPiece(
+            chosen, noun.thing.length_m, noun.size, coat, clause.style, noun.form, noun.thing.word
+        )
         wording = f"{named}{_coated(coat)}{noun.thing.word}"
         return [Intent("replace", room, wording, (old[0].id,), new)]
 

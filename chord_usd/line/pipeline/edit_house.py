@@ -59,6 +59,8 @@ class Done:
     removed: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
     """Or turned."""
+    notes: tuple[str, ...] = ()
+    """How what is done differs from what was asked, or says it more exactly; a line each."""
     taken_over: tuple[str, ...] = ()
     """Paths of pieces that the stage now has where the layer of edits had them, or has no more."""
 
@@ -203,8 +205,8 @@ def edit(
         with watch.step("arrange"):
             house = reading.house
             style = style_named(house.graph.style or MIXED, house.seed)
-            work = _carried_out(reading, style, settings)
-            lost = [] if force else _worse_planned(house, work.graph)
+            work = _carried_out(reading, style, settings, force=force)
+            lost = [] if force else _worse_planned(house, house.graph, work.graph)
             done = _done(house.graph, work)
             change = _change(reading, work, style, settings)
         report = _write(reading, change, target, edits, watch, lost, force=force, dry_run=dry_run)
@@ -240,17 +242,25 @@ def _database(settings: Settings, style: HomeStyle) -> AssetDatabase:
     return load_database(settings.asset_folders, style.name, settings.texture_px)
 
 
-def _carried_out(reading: Reading, style: HomeStyle, settings: Settings) -> Work:
-    """The house with everything done."""
+def _carried_out(
+    reading: Reading, style: HomeStyle, settings: Settings, *, force: bool = False
+) -> Work:
+    """The house with everything done. force: as it was said, though that is worse."""
     from chord_usd.line.arrange.asked_edits import carry_out
+    from chord_usd.line.arrange.asked_leeway import worse
     from chord_usd.line.arrange.asked_work import Work
     from chord_usd.line.pipeline import settle
 
     house = reading.house
     # Most edits need no new piece, and to load the database takes as long as they do.
     database = cache(lambda: _database(settings, style))
-    work = Work(house.graph, database, set(house.locked), assets=house.assets, worn=house.colours)
-    carry_out(work, reading.understood.intents)
+
+    def judge(before: SceneGraph, after: SceneGraph) -> Sequence[str]:
+        return () if force else (*worse(before, after), *_worse_planned(house, before, after))
+
+    work = Work(house.graph, database, set(house.locked), assets=house.assets, worn=house.colours,
+                judge=judge)  # fmt: skip
+    work = carry_out(work, reading.understood.intents)
     for room_id, name in work.styles.items():
         _restyle(work, house, room_id, database().in_style(name), settings)
     placed = {item.id for item in work.graph.items if item.id in work.new}
@@ -318,7 +328,8 @@ def _done(before: SceneGraph, work: Work) -> Done:
         item.id for item in (*before.items, *before.dressing) if item.room_id in work.styles
     }
     moved = [item_id for item_id in work.moved if item_id in now and item_id not in restyled]
-    return Done(tuple(sorted(now - old)), tuple(sorted(old - now)), tuple(moved))
+    notes = tuple(work.notes)
+    return Done(tuple(sorted(now - old)), tuple(sorted(old - now)), tuple(moved), notes)
 
 
 class WorseError(StageError):
@@ -357,20 +368,20 @@ def _write(
     return reports[0]
 
 
-def _worse_planned(house: StagedHouse, after: SceneGraph) -> list[str]:
+def _worse_planned(house: StagedHouse, before: SceneGraph, after: SceneGraph) -> list[str]:
     """Rooms that are noticeably worse planned after an edit, and clauses less that the home keeps
     of the standard that it is planned to, a line each."""
     from chord_usd.base.metrics.design import design_of, worse_planned
     from chord_usd.base.metrics.design.standard import keeping, standards_in
 
     names = {room_id: name for name, room_id in house.room_ids.items()}
-    worse = worse_planned(design_of([house.graph]), design_of([after]))
+    worse = worse_planned(design_of([before]), design_of([after]))
     lost = [
         f"{names.get(place, place)} is worse planned: {rules}" for place, rules in worse.items()
     ]
     for standard in standards_in(house.standard):
         known = {(clause.name, place) for clause, place, _ in
-                 keeping(standard, [house.graph]).findings}  # fmt: skip
+                 keeping(standard, [before]).findings}  # fmt: skip
         now = keeping(standard, [after])
         lost += [now.line(clause, names.get(place, place), finding)
                  for clause, place, finding in now.findings
@@ -422,7 +433,7 @@ def _change(reading: Reading, work: Work, style: HomeStyle, settings: Settings) 
             name, room, [i for i in work.graph.items_of(room.id) if i.id in work.new],
             Provenance(seed=house.seeds[name]),
             [i for i in work.graph.dressing_of(room.id) if i.id in work.new],
-            style=worn, home_seed=house.seed, requests=_still_asked(house, work, name, room.id),
+            style=worn, home_seed=house.seed, requests=_still_asked(reading, work, name, room.id),
         )  # fmt: skip
     px = settings.texture_px // 2 * 2
     looks = {
@@ -432,15 +443,15 @@ def _change(reading: Reading, work: Work, style: HomeStyle, settings: Settings) 
     return RoomsChange(pieces, rooms, work.colours, looks, shells, house.seed)
 
 
-def _still_asked(house: StagedHouse, work: Work, name: str, room_id: str) -> str | None:
-    """What is asked for in a room from now on, in words: nothing that the edit went against."""
-    from chord_usd.line.lists.wishes import read_pieces
+def _still_asked(reading: Reading, work: Work, name: str, room_id: str) -> str:
+    """What is asked for in a room from now on, in words."""
+    from chord_usd.line.lists.kept_requests import kept_requests
 
-    if name not in house.requests:
-        return None
+    house = reading.house
     then, now = ([item.category for item in graph.items_of(room_id)]
                  for graph in (house.graph, work.graph))  # fmt: skip
-    return read_pieces(house.requests[name]).without_lost(then, now).in_words()
+    here = (intent for intent in reading.understood.intents if intent.room == room_id)
+    return kept_requests(house.requests.get(name, ""), here, then, now)
 
 
 def _piece_changes(reading: Reading, work: Work) -> Iterator[PieceChange]:
