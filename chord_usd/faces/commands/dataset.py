@@ -100,15 +100,15 @@ def _add_import(group: Verbs) -> None:
         "source",
         type=Path,
         metavar="SOURCE",
-        help="CHOrD JSON, 3D-FRONT, ATISS, ProcTHOR or flats: a folder, a .json, a .npz, a .jsonl, "
-        "a .jsonl.gz",
+        help="CHOrD JSON, 3D-FRONT, ATISS, ProcTHOR, RoboCasa, ThreeDWorld or flats: a folder, a "
+        ".json, a .yaml, a .npz, a .jsonl, a .jsonl.gz",
     )
     reader.add_argument(
         "--models",
         type=Path,
         metavar="JSON",
-        help="3D-FUTURE's model_info.json, ProcTHOR's asset-database.json or ATISS's "
-        "dataset_stats.txt",
+        help="3D-FUTURE's model_info.json, ProcTHOR's asset-database.json, ATISS's "
+        "dataset_stats.txt or ThreeDWorld's models_core.json",
     )
     add_output_folder(reader, "folder for the houses")
     reader.add_argument(

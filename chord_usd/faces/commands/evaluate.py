@@ -9,6 +9,7 @@ from chord_usd.faces.commands import (
     evaluate_layouts,
     evaluate_ood,
     evaluate_plans,
+    evaluate_scenes,
     evaluate_speed,
     evaluate_tabletops,
 )
@@ -17,6 +18,7 @@ from chord_usd.faces.commands.common import Verbs, add_group
 VERBS = (
     evaluate_layouts, evaluate_ood, evaluate_speed, evaluate_diversity, evaluate_detector,
     evaluate_plans, evaluate_tabletops, evaluate_floors,
+    evaluate_scenes,
 )  # fmt: skip
 
 

@@ -30,6 +30,7 @@ import numpy.typing as npt
 from shapely.geometry import MultiPoint
 
 from chord_usd.base.errors import SceneError
+from chord_usd.base.metrics.design.unsaid import UNSAID
 from chord_usd.base.runtime.archives import Archive
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.json_text import parse_json
@@ -113,13 +114,17 @@ def room_from_boxes(record: Mapping[str, Any], object_types: Sequence[str] = ())
         elif label:
             left_out[label] += 1
     outline = _outline(record)
+    has_floor = outline is not None
     if outline is None:
         if not items:
             raise SceneError("holds neither a floor nor a piece", expected="boxes in a room")
         corners = np.concatenate([footprint(item.box) for item in items])
         outline = frozen_array(MultiPoint(corners).envelope.exterior.coords[:-1])
     room = Room("room", kind_of(kind), outline, kind)
-    extra = {LEFT_OUT: dict(sorted(left_out.items()))} if left_out else {}
+    unsaid = ["doors", "windows", "home", *([] if has_floor else ["walls"])]
+    extra: dict[str, Any] = {UNSAID: unsaid}
+    if left_out:
+        extra[LEFT_OUT] = dict(sorted(left_out.items()))
     return SceneGraph((room,), (), tuple(items), extra=extra)
 
 

@@ -16,6 +16,7 @@ from chord_usd.base.errors import ChordError, SceneError
 from chord_usd.base.runtime.inputs import refuse_odd_file
 from chord_usd.base.runtime.json_lines import MOST_LINE_BYTES, read_lines
 from chord_usd.base.runtime.json_text import parse_json
+from chord_usd.base.runtime.yaml_text import parse_yaml
 from chord_usd.base.scene.chord_json import scene_from_json, scene_to_json
 from chord_usd.base.scene.types import SceneGraph
 from chord_usd.workshop.data.box_scenes import (
@@ -27,9 +28,11 @@ from chord_usd.workshop.data.box_scenes import (
 )
 from chord_usd.workshop.data.flats import flat_from_lines
 from chord_usd.workshop.data.procthor import Sizes, house_from_procthor, read_asset_sizes
+from chord_usd.workshop.data.robocasa import is_robocasa, kitchen_from_robocasa
+from chord_usd.workshop.data.tdw import Size, furnishings, is_tdw, read_model_sizes
 from chord_usd.workshop.data.threed_front import house_from_front, read_models, room_from_record
 
-FORMATS = "CHOrD JSON, 3D-FRONT, ATISS, ProcTHOR or FloorplanTransformation"
+FORMATS = "CHOrD JSON, 3D-FRONT, ATISS, ProcTHOR, RoboCasa, ThreeDWorld or FloorplanTransformation"
 
 _MALFORMED = (
     ArithmeticError, AttributeError, LookupError, TypeError, ValueError, ShapelyError,
@@ -39,13 +42,15 @@ _MALFORMED = (
 _BOXES = "boxes.npz"
 _SCENE = "scene.json"
 """Of each house of a batch, in its own folder (batch.make.SCENE_FILE)."""
+_YAML = (".yaml", ".yml")
+_PATTERNS = ("*.json", "*.npz", "*.yaml", "*.yml", f"*/{_BOXES}")
 _LONGEST_NAME = 100
 _NOT_IN_NAMES = re.compile(r"[^\w-]+")
 
 
 @dataclass(frozen=True)
 class Models:
-    """What 3D-FRONT, ProcTHOR and ATISS keep beside the houses."""
+    """What 3D-FRONT, ProcTHOR, ATISS and ThreeDWorld keep beside the houses."""
 
     categories: Mapping[str, str] = field(default_factory=dict)
     """3D-FRONT: category by model id."""
@@ -53,6 +58,8 @@ class Models:
     """ProcTHOR: size by asset id."""
     object_types: tuple[str, ...] = ()
     """ATISS: names of classes in their order."""
+    librarian: Mapping[str, tuple[str, Size]] = field(default_factory=dict)
+    """ThreeDWorld: category and size by name."""
 
 
 class Found(NamedTuple):
@@ -64,7 +71,8 @@ class Found(NamedTuple):
 
 
 def read_models_file(path: Path) -> Models:
-    """3D-FUTURE's model_info.json, ProcTHOR's asset-database.json or ATISS's dataset_stats.txt.
+    """3D-FUTURE's model_info.json, ProcTHOR's asset-database.json, ATISS's dataset_stats.txt or
+    ThreeDWorld's models_core.json.
 
     Raises SceneError.
     """
@@ -72,42 +80,63 @@ def read_models_file(path: Path) -> Models:
         return Models(object_types=read_object_types(path))
     try:
         refuse_odd_file(path, SceneError)
-        is_list = path.read_text(encoding="utf-8").lstrip().startswith("[")
+        text = path.read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
         raise SceneError(f"cannot be read: {error}", where=str(path)) from None
-    if is_list:
+    if '"wcategory"' in text:
+        return Models(librarian=_librarian(path, text))
+    if text.lstrip().startswith("["):
         return Models(categories=read_models(path))
     return Models(sizes=read_asset_sizes(path))
 
 
-def foreign_houses(source: Path, models: Models) -> Iterator[Found]:
-    """Every house of a folder, a JSON or .npz file, or a JSON lines file, gzipped or not.
+def _librarian(path: Path, text: str) -> dict[str, tuple[str, Size]]:
+    try:
+        return read_model_sizes(parse_json(text, str(path), SceneError))
+    except _MALFORMED as error:
+        raise SceneError(
+            f"cannot be read: {error!r:.200}", where=str(path), expected="models_core.json"
+        ) from None
 
-    A folder holds JSON, .npz, a folder with a boxes.npz for each room, or the houses of a batch or
-    release, whose other files are passed over. Each house says by its
-    keys what it is: CHOrD JSON, a house or a room of 3D-FRONT, boxes as ATISS keeps them, a house
-    of ProcTHOR, a flat of FloorplanTransformation. Raises SceneError where source cannot be opened.
+
+def foreign_houses(source: Path, models: Models) -> Iterator[Found]:
+    """Every house of a folder, a JSON, YAML or .npz file, or a JSON lines file, gzipped or not.
+
+    A folder holds JSON, YAML, .npz, a folder with a boxes.npz for each room, or the houses of a
+    batch or release, whose other files are passed over. Each house says by its keys what it is:
+    CHOrD JSON, a house or a room of 3D-FRONT, boxes as ATISS keeps them, a house of ProcTHOR, a
+    kitchen of RoboCasa, a flat of FloorplanTransformation; a file of ThreeDWorld holds several.
+    Raises SceneError where source cannot be opened.
     """
     if source.is_dir():
         is_batch = next(source.glob(f"*/{_SCENE}"), None) is not None
-        for pattern in (f"*/{_SCENE}",) if is_batch else ("*.json", "*.npz", f"*/{_BOXES}"):
+        for pattern in (f"*/{_SCENE}",) if is_batch else _PATTERNS:
             for path in sorted(source.glob(pattern)):
-                yield _read(path, models)
-    elif source.suffix in (".json", ".npz"):
-        yield _read(source, models)
+                yield from _read(path, models)
+    elif source.suffix in (".json", ".npz", *_YAML):
+        yield from _read(source, models)
     else:
         yield from _lines(source, models)
 
 
-def _read(path: Path, models: Models) -> Found:
+def _read(path: Path, models: Models) -> Iterator[Found]:
     name = path.parent.name if path.name in (_BOXES, _SCENE) else path.stem
     try:
         if path.suffix == ".npz":
-            return Found(name, house_from_record(read_boxes(path), models))
-        refuse_odd_file(path, SceneError, MOST_LINE_BYTES)
-        return _converted(name, path.read_bytes(), models)
+            record: Any = read_boxes(path)
+        else:
+            refuse_odd_file(path, SceneError, MOST_LINE_BYTES)
+            read = parse_yaml if path.suffix in _YAML else parse_json
+            record = read(path.read_bytes(), "", SceneError)
+        if is_tdw(record):
+            for inner, house in furnishings(record, models.librarian):
+                yield Found(inner, scene_from_json(scene_to_json(house)))
+        else:
+            yield Found(name, house_from_record(record, models))
     except ChordError as error:
-        return Found(name, None, str(error))
+        yield Found(name, None, str(error))
+    except _MALFORMED as error:
+        yield Found(name, None, f"cannot be understood ({error!r:.200})")
 
 
 def _lines(path: Path, models: Models) -> Iterator[Found]:
@@ -149,6 +178,8 @@ def house_from_record(record: Any, models: Models) -> SceneGraph:
 def _foreign(record: Mapping[str, Any], models: Models) -> SceneGraph | None:
     """A house in another form than CHOrD JSON, None for what may be that."""
     keys = record.keys()
+    if is_robocasa(record):
+        return kitchen_from_robocasa(record)
     if keys >= {"scene", "furniture", "mesh"}:
         return house_from_front(record, models.categories)
     if keys >= {"room_type", "floor", "objects"}:

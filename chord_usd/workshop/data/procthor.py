@@ -18,6 +18,7 @@ from shapely.geometry import Point, Polygon
 from shapely.geometry.polygon import orient
 
 from chord_usd.base.errors import SceneError
+from chord_usd.base.metrics.design.unsaid import UNSAID
 from chord_usd.base.runtime.json_text import parse_json
 from chord_usd.base.scene.geometry import refuse_unreachable, room_polygon
 from chord_usd.base.scene.palette import CATEGORIES
@@ -106,7 +107,10 @@ def house_from_procthor(record: Mapping[str, Any], sizes: Sizes) -> SceneGraph:
         ]
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         raise SceneError(f"no house of ProcTHOR: {error!r}") from None
-    return SceneGraph(rooms, openings, tuple(item for item in items if item is not None))
+    known = all(entry.get("assetId") in sizes for entry in record["objects"])
+    extra = {} if known else {UNSAID: ["sizes"]}
+    placed = tuple(item for item in items if item is not None)
+    return SceneGraph(rooms, openings, placed, extra=extra)
 
 
 def _room(entry: Mapping[str, Any]) -> Room:

@@ -21,6 +21,7 @@ from shapely import Polygon, unary_union
 from shapely.geometry.polygon import orient
 
 from chord_usd.base.errors import SceneError
+from chord_usd.base.metrics.design.unsaid import UNSAID
 from chord_usd.base.runtime.json_lines import read_lines
 from chord_usd.base.runtime.json_text import parse_json
 from chord_usd.base.scene.geometry import refuse_unreachable
@@ -116,7 +117,8 @@ def house_from_front(record: Mapping[str, Any], models: Mapping[str, str]) -> Sc
         raise SceneError(f"no house of 3D-FRONT: {error!r}") from None
     if not rooms:
         raise SceneError("no room has a floor", expected="a house of 3D-FRONT")
-    return SceneGraph(tuple(rooms), (), tuple(items), extra={"source": str(record.get("uid", ""))})
+    extra = {"source": str(record.get("uid", "")), UNSAID: ["doors", "windows"]}
+    return SceneGraph(tuple(rooms), (), tuple(items), extra=extra)
 
 
 def _refuse_crowded(rooms: Sequence[Mapping[str, Any]], floors: Mapping[str, Any]) -> None:
@@ -208,7 +210,8 @@ def room_from_record(record: Mapping[str, Any], where: str = "") -> SceneGraph:
         ]
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise SceneError(f"no room of 3D-FRONT: {error!r}", where=where) from None
-    return SceneGraph((room,), (), tuple(items), extra={"source": record.get("id", "")})
+    extra = {"source": record.get("id", ""), UNSAID: ["doors", "windows", "home"]}
+    return SceneGraph((room,), (), tuple(items), extra=extra)
 
 
 def _item(

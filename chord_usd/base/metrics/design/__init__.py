@@ -26,6 +26,7 @@ from chord_usd.base.metrics.design import (
     way_rules,
 )
 from chord_usd.base.metrics.design.rule import Finding, Judged, Rule, RuleKind, judge
+from chord_usd.base.metrics.design.unsaid import Said, Unjudged
 from chord_usd.base.metrics.design.view import HomeView, View, view_home
 from chord_usd.base.scene.types import WET_KINDS, RoomKind, SceneGraph
 
@@ -39,6 +40,8 @@ ROOM_RULES: Mapping[RoomKind, tuple[Rule[View], ...]] = {
 }
 EVERY_ROOM: tuple[Rule[View], ...] = (*way_rules.RULES, *group_rules.RULES)
 """Asked of rooms of each kind."""
+EVERYTHING = Said(frozenset())
+"""Of layouts that leave nothing out."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +60,14 @@ class Design:
         return sum(len(judged.kept) for judged in every) / asked if asked else 1.0
 
 
-def judged_room(view: View) -> Iterator[Judged]:
-    """A room by the rules of its kind, of a bed and a kitchen in it, and of its dining table."""
+def judged_room(view: View, said: Said = EVERYTHING) -> Iterator[Judged]:
+    """A room by the rules of its kind, of a bed and a kitchen in it, and of its dining table.
+
+    said: which of them the layout says enough for.
+    """
     for rules, kind, area_m2 in rules_of(view):
-        judged = judge(rules, view, view.shell.room.id, kind, area_m2)
+        asked = said(rules, view, kind, area_m2)
+        judged = judge(asked, view, view.shell.room.id, kind, area_m2)
         if kind in ROOM_RULES or judged.asked:
             yield judged
 
@@ -78,25 +85,29 @@ def rules_of(view: View) -> Iterator[tuple[Sequence[Rule[View]], RuleKind, float
         yield dining_rules.RULES, "dining table", area_m2
 
 
-def judged_home(view: HomeView) -> Judged:
-    """A home by its rules."""
+def judged_home(view: HomeView, said: Said = EVERYTHING) -> Judged:
+    """A home by its rules, or by those that the layout says enough for."""
     area_m2 = sum(room.shell.area_m2 for room in view.rooms)
-    return judge(home_rules.RULES, view, "", "home", area_m2)
+    rules = said(home_rules.RULES, view, "home", area_m2)
+    return judge(rules, view, "", "home", area_m2)
 
 
-def design_of(graphs: Sequence[SceneGraph], homely: Iterable[Homely] = ()) -> Design:
+def design_of(
+    graphs: Sequence[SceneGraph], homely: Iterable[Homely] = (), said: Said = EVERYTHING
+) -> Design:
     """How a home is planned. graphs: its storeys, the lowest first. homely: of its rooms, whose
-    "complete" and "right" are rows of the table, too."""
+    "complete" and "right" are rows of the table, too. said: notes the rules that the layout does
+    not say enough for, which are not judged."""
     views = [view_home(graph, is_dressed=True) for graph in graphs]
     rooms = tuple(room for view in views for room in view.rooms)
     front = next((view.entrance for view in views if view.entrance is not None), None)
     lived = {room.room: room for room in homely if room.is_judged}
     judged = []
     for room in rooms:
-        for nth, verdict in enumerate(judged_room(room)):
+        for nth, verdict in enumerate(judged_room(room, said)):
             lived_in = lived.get(verdict.place) if nth == 0 else None
-            judged.append(_with_homely(verdict, lived_in, room) if lived_in else verdict)
-    return Design(tuple(judged), judged_home(HomeView(rooms, front)))
+            judged.append(_with_homely(verdict, lived_in, room, said) if lived_in else verdict)
+    return Design(tuple(judged), judged_home(HomeView(rooms, front), said))
 
 
 NOTICEABLE = 0.15
@@ -126,8 +137,8 @@ COMPLETE, RIGHT = "what rooms of its kind cannot do without", "pieces that stand
 _OWN = "metrics.complete"
 
 
-def _with_homely(judged: Judged, homely: Homely, room: View) -> Judged:
-    """With the rows "complete" and "right"."""
+def _with_homely(judged: Judged, homely: Homely, room: View, said: Said) -> Judged:
+    """With the rows "complete" and "right"; pieces stand wrongly by walls, too."""
     places = {item.id: room.point(at) for at, item in enumerate(room.items)}
     lacks = [Finding(f"{COMPLETE}, {name}", _OWN, "count", 1, 0, room.middle, ())
              for name in homely.missing]  # fmt: skip
@@ -136,11 +147,17 @@ def _with_homely(judged: Judged, homely: Homely, room: View) -> Judged:
                 places.get(piece.item, room.middle), (piece.item,))
         for piece in homely.misplaced
     ]  # fmt: skip
-    kept = [name for name, findings in ((COMPLETE, lacks), (RIGHT, wrong)) if not findings]
+    rows = [(COMPLETE, lacks)]
+    if facts := said.unsaid & {"walls", "sizes"}:
+        said.unjudged.append(Unjudged(judged.place, judged.kind, RIGHT, tuple(sorted(facts))))
+    else:
+        rows.append((RIGHT, wrong))
+    kept = [name for name, findings in rows if not findings]
+    broken = [finding for _, findings in rows for finding in findings]
     return replace(
         judged,
         kept=(*judged.kept, *kept),
-        findings=(*judged.findings, *lacks, *wrong),
+        findings=(*judged.findings, *broken),
         won=judged.won + len(kept),
-        weight=judged.weight + 2,
+        weight=judged.weight + len(rows),
     )
