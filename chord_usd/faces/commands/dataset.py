@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from chord_usd.base.errors import ChordError
 from chord_usd.base.runtime.counting import counted
 from chord_usd.base.runtime.files import output_folder, write_atomic
-from chord_usd.faces.commands import dataset_keep, dataset_release
+from chord_usd.faces.commands import dataset_keep, dataset_release, dataset_twins
 from chord_usd.faces.commands.common import (
     Outcome,
     UsageError,
@@ -76,6 +76,7 @@ def add(verbs: Verbs) -> None:
     )
     dataset_keep.add(group)
     dataset_release.add(group)
+    dataset_twins.add(group)
 
 
 def _add_synth(group: Verbs) -> None:
