@@ -363,3 +363,20 @@ def test_a_question_about_a_room_is_answered_with_what_it_has(
     assert not understood.intents
     assert all(f"× {one}" in understood.answer for one in own)
     assert own or "no furniture" in understood.answer
+
+
+def test_a_share_of_a_growth_is_a_growth(house: SceneGraph, rooms: dict[str, Room]) -> None:
+    understood = understand("make the wardrobe in bedroom 1 bigger", house, rooms)
+    old = next(item for item in house.items if item.id == understood.intents[0].items[0])
+
+    def lengths(graph: SceneGraph) -> list[float]:
+        here = (item for item in graph.items_of(old.room_id) if item.category == old.category)
+        return [item.box.size_m[0] for item in here if item.box != old.box]
+
+    def judge(_before: SceneGraph, after: SceneGraph) -> list[str]:
+        return ["too long" for length_m in lengths(after) if length_m > usual_m - 0.05]
+
+    usual_m = max(lengths(carry_out(Work(house, UsualSizes, judge=lambda *_: ()),
+                                    understood.intents).graph))  # fmt: skip
+    less = carry_out(Work(house, UsualSizes, judge=judge), understood.intents)
+    assert old.box.size_m[0] < max(lengths(less.graph)) < usual_m - 0.05

@@ -18,7 +18,7 @@ from chord_usd.base.scene.types import Asset, Box, Item
 from chord_usd.library.colourways import colourway_like, offer_of
 from chord_usd.library.component import COLOUR_VARIANT_SET as COLOUR
 from chord_usd.library.looks.look_words import look_wanted
-from chord_usd.line.arrange.asked_leeway import leeways
+from chord_usd.line.arrange.asked_leeway import is_measured, leeways
 from chord_usd.line.arrange.asked_moves import face, move, swap, turn
 from chord_usd.line.arrange.asked_places import Floor
 from chord_usd.line.arrange.asked_work import (
@@ -225,15 +225,24 @@ def _replace(work: Work, intent: Intent) -> None:
     old = work.item(intent.items[0])
     new, was_m = intent.new, old.box.size_m[0]
     share, asked_m = work.leeway.share, sum(intent.new.length_m) / 2
-    if share < 1:
+    if share < 1 and is_measured(new):
         by_m = (share - 1) * (asked_m - was_m)
         new = replace(new, length_m=(new.length_m[0] + by_m, new.length_m[1] + by_m))
+    elif share < 1:
+        least_m, most_m = (was_m + share * (end_m - was_m) for end_m in new.length_m)
+        new = replace(new, length_m=(least_m, most_m))
     work.remove([old.id, *(item.id for item in work.resting_on(old.id))])
     placed = _place_new(work, intent, new, old)
-    if math.isfinite(asked_m):
-        instead = "" if share == 1 else f", instead of {100 * asked_m:.0f} cm"
+    if math.isfinite(asked_m) and old.category == placed.category:
+        is_other_size = not intent.new.length_m[0] <= was_m <= intent.new.length_m[1]
+        if is_other_size and (placed.box.size_m[0] - was_m) * (asked_m - was_m) < 0:
+            raise refused(intent, "there is no such model", "another size or colour")
+        instead = (
+            "" if share == 1 or not is_measured(new) else f", instead of {100 * asked_m:.0f} cm"
+        )
         sizes = f"{100 * placed.box.size_m[0]:.0f} cm long, was {100 * was_m:.0f} cm"
-        work.notes.append(f"{sizes}{instead}")
+        if is_other_size:
+            work.notes.append(f"{sizes}{instead}")
 
 
 def _remove(work: Work, intent: Intent) -> None:

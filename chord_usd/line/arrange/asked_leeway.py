@@ -16,7 +16,7 @@ from chord_usd.base.metrics.footprints import is_underfoot
 from chord_usd.base.metrics.fronts import FRONT, SWINGS_M, floor_before
 from chord_usd.base.metrics.walk import walk
 from chord_usd.base.scene.geometry import footprint_polygon
-from chord_usd.base.scene.intents import Intent
+from chord_usd.base.scene.intents import Intent, NewPiece
 from chord_usd.base.scene.palette import Level, Mount, category
 from chord_usd.base.scene.types import Item, SceneGraph
 
@@ -27,6 +27,7 @@ _MEASURED = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5)
 """Shares of a way or a growth that was said in numbers: half of it is still what was meant."""
 
 _LEAF_M2 = 1e-3
+_ABOUT_M = 0.2
 
 _BELONGS: dict[str, tuple[str, ...]] = {
     "bed": ("bedside_table", "bed_background"), "sofa": ("sofa_background",),
@@ -62,13 +63,18 @@ def leeways(intent: Intent) -> Iterator[Leeway]:
     shares: tuple[float, ...] = (1.0,)
     if intent.action == "move" and (intent.distance_m is not None or is_way):
         shares = _SOME if intent.distance_m is None else _MEASURED
-    elif intent.action == "replace" and is_sized:
-        shares = _MEASURED
+    elif intent.action == "replace" and intent.new is not None and is_sized:
+        shares = _MEASURED if is_measured(intent.new) else (1.0, 0.5)
     together = (False, True) if intent.action == "move" else (False,)
     for share, gives_way, is_together in product(shares, (False, True), together):
         yield Leeway(share, is_together, gives_way)
     if intent.action == "move" and intent.distance_m is None and is_way and not intent.way:
         yield Leeway(is_anywhere=True)
+
+
+def is_measured(new: NewPiece) -> bool:
+    """Whether a length was said in numbers, not as "bigger"."""
+    return new.length_m[1] - new.length_m[0] < _ABOUT_M
 
 
 def belongings(graph: SceneGraph, item: Item) -> list[Item]:
