@@ -8,10 +8,10 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 PLAN ?= examples/two_bedrooms.png
-# All of the house takes minutes on a small machine; CAMERAS= renders all of it.
+# Drafts: SIZE=1280x720 SAMPLES=64 for an evening, CAMERAS= for all of the house.
 CAMERAS ?= LivingRoom_0 Isometric
-SAMPLES ?= 32
-SIZE ?= 960x540
+SAMPLES ?= 8
+SIZE ?= 640x360
 # Plans whose houses fill the caches at set-up.
 WARMING ?= examples/two_bedrooms.png examples/family_house.png
 OUT ?= out
