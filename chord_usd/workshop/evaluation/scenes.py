@@ -59,11 +59,12 @@ def judge_scene(
     """A layout by its storeys. hidden: facts that are not to be used even where they are said, as
     other sets leave them out."""
     unsaid = unsaid_of(graphs) | set(hidden)
+    # What stands in a window's niche is not beyond the room, whatever rules are judged.
+    scores = tuple(score_scene(graph) for graph in graphs)
     graphs = [_without(graph, unsaid) for graph in graphs]
     said = Said(unsaid)
     homely = [room for graph in graphs for room in homely_rooms(graph)]
     design = design_of(graphs, homely, said)
-    scores = tuple(score_scene(graph) for graph in graphs)
     return Scene(name, unsaid, design, tuple(said.unjudged), scores, holds)
 
 
