@@ -16,6 +16,7 @@ from chord_usd.base.scene.types import ByteArray
 from chord_usd.line.plan.drawing import Known, read_drawing
 from chord_usd.line.plan.placement import WARNINGS, frame_of, straightening_of
 from chord_usd.line.plan.regions import find_regions, room_outlines, stair_outlines
+from chord_usd.line.plan.segment import Segments
 from chord_usd.line.plan.sheet import straightening_matrix
 from chord_usd.line.plan.text import Text
 from chord_usd.line.plan.wall_openings import find_openings
@@ -82,6 +83,21 @@ def test_a_hole_in_a_wall_that_nobody_fits_through_joins_no_rooms(hole_px: int) 
     labels = two_rooms()
     labels[200 : 200 + hole_px, 250:260] = FLOOR
     assert seen(labels) == (2, ["door", "door", "window"])
+
+
+@pytest.mark.parametrize(("seen_share", "windows"), [(0.9, 2), (0.3, 2), (0.05, 1)])
+def test_windows_side_by_side_are_two_where_a_post_is_seen(seen_share: float, windows: int) -> None:
+    segments = segments_of(two_rooms())
+    built = segments.built.copy()
+    built[WINDOW, 50:60, 337:340] -= seen_share
+    built[WALL, 50:60, 337:340] += seen_share
+    found = find_regions(segments)
+    polygons = [room.polygon_px for room in room_outlines(found, segments, 0.02)]
+    kinds = [
+        one.kind
+        for one in find_openings(polygons, Segments(built, segments.kinds), found.thickness_px)
+    ]
+    assert kinds.count("window") == windows
 
 
 def test_rooms_without_a_wall_between_them_are_one() -> None:

@@ -65,6 +65,10 @@ _JOINED_PX, _JOINED = 2.5, 0.35
 """Pieces of one window that are no farther apart are one; of a door, as a share of a thickness. Two
 windows side by side have a slim pier between them."""
 
+_MULLION = 0.15
+"""Share of wall by which what is seen between two windows side by side stands out: a post of 10 cm
+is three pixels or fewer, and blurred."""
+
 _KINDS: dict[int, OpeningKind] = {DOOR: "door", WINDOW: "window", PASSAGE: "passage"}
 
 
@@ -86,6 +90,8 @@ class WallOpening:
     """How far inside its ends, along, the jambs are: what is seen is a little longer."""
     is_guess: bool = False
     """Whether it is there since rooms have to be entered."""
+    wall: int = -1
+    """Number of the wall that it was seen in: two windows seen in one wall are two."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,8 +129,8 @@ def find_openings(
     thickness_px: of the usual wall.
     """
     openings: list[WallOpening] = []
-    for wall in walls_between(polygons_px, segments, thickness_px):
-        openings += _in_wall(wall, segments, thickness_px)
+    for number, wall in enumerate(walls_between(polygons_px, segments, thickness_px)):
+        openings += [replace(o, wall=number) for o in _in_wall(wall, segments, thickness_px)]
     return _joined(openings, thickness_px)
 
 
@@ -240,8 +246,13 @@ def _in_wall(wall: Wall, segments: Segments, thickness_px: float) -> Iterator[Wa
             if stop - start < least_px or not (is_sure or runs_on):
                 continue
             kind = _KINDS[label] if is_sure else "passage"
-            opening = _opening(wall, kind, along[first] + start - 0.5, stop - start, sign)
-            yield replace(opening, insets_px=_insets(profile[WALL], first, last, start, stop))
+            panes = [(start, stop)]
+            if kind == "window":
+                panes = _panes(part[WALL], start, stop, least_px)
+            for low, high in panes:
+                opening = _opening(wall, kind, along[first] + low - 0.5, high - low, sign)
+                insets = _insets(profile[WALL], first, last, low, high)
+                yield replace(opening, insets_px=insets)
 
 
 def _runs(is_open: np.ndarray) -> Iterator[tuple[int, int]]:
@@ -260,6 +271,24 @@ def _by_kind(profile: np.ndarray, least_px: float) -> Iterator[tuple[int, int, i
         yield from stretches
         return
     yield 0, len(kinds), int(labels[profile[labels].sum(axis=1).argmax()])
+
+
+def _panes(walled: FloatArray, start: int, stop: int, least_px: float) -> list[tuple[int, int]]:
+    """A window as those side by side between which a post is seen. walled: share of wall."""
+    share = walled[start:stop]
+    before, after = np.minimum.accumulate(share), np.minimum.accumulate(share[::-1])[::-1]
+    standing = share - np.maximum(before, after)
+    for at in np.argsort(-standing, kind="stable"):
+        if standing[at] < _MULLION:
+            break
+        foot = np.flatnonzero(share < share[at] - standing[at] / 2)
+        low, high = start + foot[foot < at].max() + 1, start + foot[foot > at].min()
+        if min(low - start, stop - high) >= least_px:
+            return [
+                *_panes(walled, start, int(low), least_px),
+                *_panes(walled, int(high), stop, least_px),
+            ]
+    return [(start, stop)]
 
 
 def _insets(
@@ -316,6 +345,8 @@ def _joined(openings: list[WallOpening], thickness_px: float) -> list[WallOpenin
 
 
 def _is_same(first: WallOpening, other: WallOpening, thickness_px: float) -> bool:
+    if first.kind == "window" and first.wall == other.wall:
+        return False
     if first.kind != other.kind or {r for r, _ in first.rooms} != {r for r, _ in other.rooms}:
         return False
     between = first.center_px - other.center_px
