@@ -73,10 +73,9 @@ def test_a_judge_finds_what_is_named_at_its_place_and_nothing_in_the_house_itsel
 
 def test_files_of_a_pair_hold_the_house_and_the_fault(tmp_path: Path) -> None:
     house = living_room()
-    stage = tmp_path / "stages" / "house.usda"
     folder = tmp_path / "pairs"
     folder.mkdir()
-    rows = write_twins("h", house, stage, folder, (1, 0))
+    rows = write_twins("h", house, "../stages/house.usda", folder, (1, 0))
     for row in rows:
         twin = read_scene(folder / row["twin"])
         moved = {item.id: item.box for item in (*twin.items, *twin.dressing)}[row["piece"]]

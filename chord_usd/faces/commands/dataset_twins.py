@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -35,7 +36,10 @@ def add(group: Verbs) -> None:
         help="folder of houses that generate or batch wrote (stages), or of CHOrD JSON",
     )  # fmt: skip
     parser.add_argument(
-        "--count", type=whole_number(1, 1_000_000), metavar="N", help="pairs at most (all)"
+        "--count",
+        type=whole_number(1, 1_000_000),
+        metavar="N",
+        help="no further house once there are N pairs",
     )
     add_output_folder(parser, "folder for the pairs; twins.jsonl lists them")
     add_options(parser, "seed")
@@ -52,7 +56,9 @@ def run(options: argparse.Namespace) -> Outcome:
         watch.step("twins") as progress,
     ):
         for number, (name, graph, stage) in enumerate(_houses(options.houses)):
-            rows += twins.write_twins(name, graph, stage, folder, (options.seed, number))
+            # The folder is put in its place at the end: layers point from there.
+            seen = os.path.relpath(stage, options.output.resolve()) if stage else ""
+            rows += twins.write_twins(name, graph, seen, folder, (options.seed, number))
             houses += 1
             progress(len(rows), options.count or len(rows))
             if options.count and len(rows) >= options.count:

@@ -6,7 +6,6 @@ A judge of houses must tell the two apart; how often it does, by kind of fault, 
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -105,11 +104,12 @@ def found_by(sound: Findings, twin: Twin) -> dict[str, dict[str, bool]]:
 
 
 def write_twins(
-    name: str, graph: SceneGraph, stage: Path | None, folder: Path, seed: Sequence[int]
+    name: str, graph: SceneGraph, stage: str, folder: Path, seed: Sequence[int]
 ) -> list[dict[str, Any]]:
     """Writes a house and its twins; returns a row of the manifest for each pair.
 
-    stage: of the house, where its ids are paths of prims: each twin gets a layer over it, too.
+    stage: of the house, as seen from where the pairs will lie in the end, where ids are paths of
+    prims: each twin gets a layer over it, too. Empty for a house without.
     """
     write_scene(graph, folder / f"{name}.json")
     sound, rows = findings_of(graph), []
@@ -117,10 +117,10 @@ def write_twins(
         stem = f"{name}_{twin.kind.name.replace(' ', '_')}"
         write_scene(twin.graph, folder / f"{stem}.json")
         files = {"house": f"{name}.json", "twin": f"{stem}.json"}
-        if stage is not None:
+        if stage:
             layer = folder / f"{stem}.usda"
-            write_atomic(layer, override(twin, os.path.relpath(stage, folder)))
-            files |= {"stage": os.path.relpath(stage, folder), "twin_stage": layer.name}
+            write_atomic(layer, override(twin, stage))
+            files |= {"stage": stage, "twin_stage": layer.name}
         rows.append({**files, **_row(twin), "found_by": found_by(sound, twin)})
     return rows
 
