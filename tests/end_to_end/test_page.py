@@ -195,7 +195,7 @@ def test_from_drop_to_download(page: Page, address: str) -> None:
     areas = page.locator("svg text tspan:nth-child(2)")
     expect(areas.first).to_be_visible()
     before = areas.all_text_contents()
-    expect(page.locator("svg .wall").first).to_be_visible()
+    expect(page.locator("svg .wall").first).to_be_attached()
     wall = page.locator("svg .wall").first.bounding_box()
     assert wall
     # Near its end, where no window is.
