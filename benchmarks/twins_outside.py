@@ -1,4 +1,4 @@
-"""Twins by judges from outside: what share of the faults do they tell from the sound house?
+"""Twins by judges from outside: the share of faulty twins that they rate worse.
 
     python benchmarks/twins_outside.py TWINS NAME=COMMAND... [--stages] [--most N]
 
@@ -61,7 +61,7 @@ def main() -> None:
     options = parser.parse_args()
     lines = (options.twins / "twins.jsonl").read_text().splitlines()
     keys = ("stage", "twin_stage") if options.stages else ("house", "twin")
-    pairs, found = Counter[str](), Counter[tuple[str, str]]()
+    pairs, worse = Counter[str](), Counter[tuple[str, str]]()
     named: dict[str, bool] = {}
     for row in map(json.loads, lines):
         kind = row["fault"]
@@ -72,16 +72,16 @@ def main() -> None:
         house, twin = (options.twins / row[key] for key in keys)
         for tool in options.tools:
             name, _, command = tool.partition("=")
-            found[name, kind] += is_found(command, house, twin)
+            worse[name, kind] += is_found(command, house, twin)
     lines = []
     for tool in options.tools:
         name = tool.partition("=")[0]
         for kind, count in pairs.items():
             said = "named" if named[kind] else "unnamed"
-            lines.append(f"{name}: {kind} ({said}): {found[name, kind]} of {count}")
+            lines.append(f"{name}: {kind} ({said}): {worse[name, kind]} of {count}")
         for is_named, said in ((True, "named"), (False, "unnamed")):
             kinds = [kind for kind in pairs if named[kind] == is_named]
-            part = sum(found[name, kind] for kind in kinds)
+            part = sum(worse[name, kind] for kind in kinds)
             lines.append(f"{name}: all {said}: {part} of {sum(pairs[kind] for kind in kinds)}")
     sys.stdout.write("\n".join(lines) + "\n")
 

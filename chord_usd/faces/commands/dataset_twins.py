@@ -87,15 +87,14 @@ def _houses(folder: Path) -> Iterator[tuple[str, SceneGraph, Path | None]]:
     """Houses with the stages that they come from; those of several storeys are passed over."""
     from chord_usd.base.runtime.stages import open_stage
     from chord_usd.line.stage.check.check_scene import read_storeys
-    from chord_usd.workshop.data.foreign import Models, foreign_houses
+    from chord_usd.workshop.data.foreign import Models, foreign_houses, stages_in
 
     if not folder.is_dir():
         raise UsageError("no such folder", where=str(folder), expected="a folder of houses")
-    stages = sorted({*folder.glob("*.usda"), *folder.glob("*/house.usda")})
-    for path in stages:
+    stages = stages_in(folder)
+    for name, path in stages:
         storeys = read_storeys(open_stage(path))
         if len(storeys) == 1:
-            name = path.parent.name if path.stem == "house" and path.parent != folder else path.stem
             yield name, storeys[0].graph, path.resolve()
     if not stages:
         for name, house, _ in foreign_houses(folder, Models()):

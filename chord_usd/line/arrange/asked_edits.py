@@ -74,7 +74,7 @@ def _done(work: Work, intent: Intent) -> Work:
 
 
 def _give_way(work: Work, intent: Intent) -> None:
-    """Move what may give way, and stands where a piece has come to stand."""
+    """Move things that may give way from under pieces that have moved."""
     assert work.start is not None
     stood = {item.id: item.box for item in work.start.items}
     came = [item for item in work.graph.items if stood.get(item.id) != item.box]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 from chord_usd.base.metrics.complete import homely_rooms
@@ -33,7 +34,7 @@ _BELONGS: dict[str, tuple[str, ...]] = {
     "bed": ("bedside_table", "bed_background"), "sofa": ("sofa_background",),
 }  # fmt: skip
 _BELONGS_M = 0.35
-"""What belongs to a piece, and stands no farther from it."""
+"""Greatest distance from a piece of what belongs to it."""
 
 Judge = Callable[[SceneGraph, SceneGraph], Sequence[str]]
 """What is worse in the second house than in the first, a line each."""
@@ -101,19 +102,20 @@ def small_things(graph: SceneGraph, intent: Intent, locked: set[str]) -> frozens
 
 
 def flaws(graph: SceneGraph) -> set[tuple[str, ...]]:
-    """What rooms lack, and what stands wrongly in them."""
+    """Pieces that rooms lack, and pieces that are misplaced."""
     rooms = homely_rooms(graph)
     lacks = {(room.room, name) for room in rooms for name in room.missing}
     return lacks | {(misfit.item, misfit.fault) for room in rooms for misfit in room.misplaced}
 
 
 def worse(before: SceneGraph, after: SceneGraph) -> list[str]:
-    """Whether rooms lack more, more stands wrongly, out of reach or before what opens."""
+    """New faults: rooms that lack pieces or are out of reach, pieces misplaced or before leaves."""
     new = _wrong(after) - _wrong(before)
     return sorted(" ".join(line) for line in new)
 
 
-def _wrong(graph: SceneGraph) -> set[tuple[str, ...]]:
+@lru_cache(maxsize=2)  # each candidate is compared with one house
+def _wrong(graph: SceneGraph) -> frozenset[tuple[str, ...]]:
     shut = {(room, "cannot be reached") for room in walk(graph).unreachable}
     shapes = [(item, footprint_polygon(item.box)) for item in graph.items
               if category(item.category).mount is Mount.FLOOR]  # fmt: skip
@@ -130,4 +132,4 @@ def _wrong(graph: SceneGraph) -> set[tuple[str, ...]]:
             if other.room_id == item.room_id and other.id != item.id
             and swing.intersection(shape).area > _LEAF_M2
         }  # fmt: skip
-    return flaws(graph) | shut | stopped
+    return frozenset(flaws(graph) | shut | stopped)

@@ -163,7 +163,7 @@ def _move_some(work: Work, intent: Intent, item: Item) -> None:
             work.notes.append(f"{100 * gain_m:.0f} cm")
             return
         blocked = blocked or obstacle
-    raise refused(intent, f"{blocked or 'its wall'} is in the way", "another way")
+    raise refused(intent, f"{blocked or 'the wall behind it'} blocks it", "another way")
 
 
 def _move_there(work: Work, intent: Intent, item: Item) -> None:

@@ -118,7 +118,7 @@ class Floor:
         return self._named(*hit) if hit else ""
 
     def is_taken(self, item: Item) -> bool:
-        """Whether a piece stands where this one does."""
+        """Whether a piece overlaps another."""
         hit = self._taken.hit(item.box, {"open", "pane", "clear"})
         return hit is not None and hit[0] == "piece"
 

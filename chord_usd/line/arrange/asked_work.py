@@ -27,7 +27,7 @@ TRIED = 48
 
 
 JUDGED = 8
-"""Of those where nothing stands wrongly, so many are judged by all that may be worse."""
+"""Of places without flaws, so many are judged by all that may be worse."""
 
 
 class Catalogue(Database, Protocol):

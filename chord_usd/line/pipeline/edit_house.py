@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 _TRIES = 3
-"""So many outcomes are written and checked, of which the first may run into a curtain."""
+"""So many outcomes are written and checked: the first may run into a curtain."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,28 +207,37 @@ def edit(
         if reading.understood.answer:
             with watch.step("check"):
                 return reading, Done(), check_stage(source, trusted=True)
-        house = reading.house
-        style = style_named(house.graph.style or MIXED, house.seed)
-        failed: list[tuple[Box, ...]] = []
-        error: WorseError | None = None
-        while True:
-            with watch.step("arrange"):
-                work = _carried_out(reading, style, settings, failed, force=force)
-                if error and (len(failed) == _TRIES or _boxes(work.graph) in failed):
-                    raise error
-                lost = [] if force else lines_worse_planned(house, house.graph, work.graph)
-                done = _done(house.graph, work)
-                change = _change(reading, work, style, settings)
-            try:
-                report = _write(reading, change, target, edits, watch, lost, force=force,
-                                dry_run=dry_run)  # fmt: skip
-                break
-            except WorseError as refusal:  # meshes run into what their boxes do not
-                error = error or refusal
-                failed.append(_boxes(work.graph))
+        write = partial(_write, reading, target=target, edits=edits, watch=watch, force=force,
+                        dry_run=dry_run)  # fmt: skip
+        work, change, report = _accepted(reading, settings, write, watch, force=force)
+    done = _done(reading.house.graph, work)
     if edits:
         done = replace(done, taken_over=tuple(piece.path for piece in change.pieces))
     return reading, done, report
+
+
+def _accepted(
+    reading: Reading, settings: Settings, write: Callable[[RoomsChange, Sequence[str]], Report],
+    watch: Stopwatch, *, force: bool,
+) -> tuple[Work, RoomsChange, Report]:  # fmt: skip
+    """The first outcome that the certificate holds for, once it is written; meshes run into what
+    their boxes do not. Raises the first WorseError where none is."""
+    house = reading.house
+    style = style_named(house.graph.style or MIXED, house.seed)
+    failed: dict[tuple[Box, ...], WorseError] = {}
+    while len(failed) < _TRIES:
+        with watch.step("arrange"):
+            work = _carried_out(reading, style, settings, failed, force=force)
+            boxes = _boxes(work.graph)
+            if boxes in failed:
+                break
+            lost = [] if force else lines_worse_planned(house, house.graph, work.graph)
+            change = _change(reading, work, style, settings)
+        try:
+            return work, change, write(change, lost)
+        except WorseError as error:
+            failed[boxes] = error
+    raise next(iter(failed.values()))
 
 
 def _gone_back(
@@ -253,7 +262,7 @@ def _gone_back(
 
 
 def _boxes(graph: SceneGraph) -> tuple[Box, ...]:
-    """Where everything stands, by which an outcome is known again."""
+    """All places and sizes, by which an outcome is recognised."""
     return tuple(item.box for item in sorted(graph.items, key=lambda item: item.id))
 
 
@@ -265,7 +274,7 @@ def _database(settings: Settings, style: HomeStyle) -> AssetDatabase:
 
 def _carried_out(
     reading: Reading, style: HomeStyle, settings: Settings,
-    failed: Sequence[tuple[Box, ...]] = (), *, force: bool = False,
+    failed: Container[tuple[Box, ...]] = (), *, force: bool = False,
 ) -> Work:  # fmt: skip
     """The house with everything done. failed: what the certificate did not hold for. force: as it
     was said, though that is worse."""
@@ -370,8 +379,8 @@ class _TriedError(ChordError):
 
 
 def _write(
-    reading: Reading, change: RoomsChange, target: Path, edits: Path | None, watch: Stopwatch,
-    planned: Sequence[str], *, force: bool, dry_run: bool,
+    reading: Reading, change: RoomsChange, planned: Sequence[str], *, target: Path,
+    edits: Path | None, watch: Stopwatch, force: bool, dry_run: bool,
 ) -> Report:  # fmt: skip
     """Write the house as it is changed, if that makes nothing worse; returns its report.
 

@@ -42,6 +42,7 @@ _MALFORMED = (
 _BOXES = "boxes.npz"
 _SCENE = "scene.json"
 """Of each house of a batch, in its own folder (batch.make.SCENE_FILE)."""
+_STAGES = (".usda", ".usdc", ".usd", ".usdz")
 _YAML = (".yaml", ".yml")
 _PATTERNS = ("*.json", "*.npz", "*.yaml", "*.yml", f"*/{_BOXES}")
 _LONGEST_NAME = 100
@@ -97,6 +98,17 @@ def _librarian(path: Path, text: str) -> dict[str, tuple[str, Size]]:
         raise SceneError(
             f"cannot be read: {error!r:.200}", where=str(path), expected="models_core.json"
         ) from None
+
+
+def stages_in(source: Path) -> list[tuple[str, Path]]:
+    """The stages of a source with their names: itself, a folder's, or those of houses one folder
+    below, as batches write them."""
+    if source.suffix.lower() in _STAGES:
+        stages = [source]
+    else:
+        here = [path for path in sorted(source.glob("*")) if path.suffix in (".usda", ".usdz")]
+        stages = here or sorted(source.glob("*/house.usda")) or sorted(source.glob("*/house.usdz"))
+    return [(path.parent.name if path.stem == "house" else path.stem, path) for path in stages]
 
 
 def foreign_houses(source: Path, models: Models) -> Iterator[Found]:

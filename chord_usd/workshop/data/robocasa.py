@@ -5,7 +5,7 @@ fixture before it. Metres, z up, the back wall at y = 0; fixtures face -y, as ou
 group is turned and moved as a whole. Sizes that are left to a model are those of the registry's
 default (fixture_registry), or the usual ones. Layouts have walls and windows, and no doors.
 
-A counter's fronts are what stands below it: the counter becomes base units between its sink, its
+A counter has its fronts below: it becomes base units between its sink, its
 stovetop and its ends. Clutter, bar stools and what hangs on walls are left out.
 """
 
@@ -174,7 +174,7 @@ def _fixture(entry: Mapping[str, Any], known: Mapping[str, _Fixture]) -> _Fixtur
     elif entry.get("pos") is not None:
         middle = [np.nan if value is None else value for value in entry["pos"]]
         fixture.at = np.array([*middle, np.nan][:3], dtype=np.float64)
-        if np.isnan(fixture.at[2]):  # it stands on the floor
+        if np.isnan(fixture.at[2]):  # on the floor
             fixture.at[2] = size[2] / 2
         fixture.at = np.nan_to_num(fixture.at)
     if fixture.inner and kind == "counter":
@@ -262,7 +262,7 @@ def _pieces(
 
 
 def _is_tall_unit(fixture: _Fixture, fixtures: Mapping[str, _Fixture]) -> bool:
-    """Whether a fixture on the floor is a unit of its own, not what a worktop covers."""
+    """Whether a fixture on the floor is a separate unit, which no worktop covers."""
     if fixture.kind == "housing_cabinet":
         return not _holds_fridge(fixture, fixtures)
     if fixture.kind == "oven":

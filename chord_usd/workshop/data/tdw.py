@@ -36,7 +36,7 @@ _CATEGORY: Mapping[str, str] = {
 }  # fmt: skip
 """Its WordNet categories as ours; clutter, lamps and pictures are left out."""
 _RAISED_M = 0.3
-"""What begins above this hangs on a wall or stands on a piece."""
+"""Models that begin above this hang on a wall or lie on a piece."""
 _ARMCHAIR_M = 0.75
 _DINING_M, _DINER_M = (0.68, 0.8), 0.7
 """Heights of dining tables, and their least side."""
@@ -49,7 +49,7 @@ _KINDS: tuple[tuple[str, RoomKind], ...] = (
     ("bed", "bedroom"), ("sink_cabinet", "kitchen"), ("sofa", "living"),
     ("dining_table", "dining"),
 )  # fmt: skip
-"""Of rooms, by what stands in them."""
+"""Of rooms, by their pieces."""
 
 
 def read_model_sizes(database: Mapping[str, Any]) -> dict[str, tuple[str, Size]]:
@@ -150,7 +150,7 @@ def _groups(items: list[Item]) -> list[list[Item]]:
 def category_of(wordnet: str, name: str, size: Size) -> str | None:
     """Our category of a model; None for what has no place in ours.
 
-    WordNet's "chair" and "table" are any: sizes tell armchairs, dining, side and low tables apart.
+    WordNet's "chair" and "table" are any: armchairs, dining, side and low tables differ by size.
     """
     ours, (length, depth, height) = _CATEGORY.get(wordnet), size
     least, most = sorted((length, depth))

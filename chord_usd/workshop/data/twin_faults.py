@@ -17,7 +17,7 @@ from chord_usd.base.scene.geometry import footprint_polygon, front_direction, ro
 from chord_usd.base.scene.types import Box, Item, SceneGraph
 
 Edit = tuple[Item, Box, str]
-"""A piece, where it stands after the edit, and which other thing the fault is about."""
+"""A piece, its box after the edit, and the other thing that the fault is about."""
 Search = Callable[[SceneGraph, np.random.Generator], Iterator[Edit]]
 
 _TALL_M = 1.6
@@ -185,10 +185,6 @@ def _bare_curtain(graph: SceneGraph, rng: np.random.Generator) -> Iterator[Edit]
                 yield item, moved(item.box, *to), item.room_id
 
 
-def _shut_drawers(graph: SceneGraph, rng: np.random.Generator) -> Iterator[Edit]:
-    yield from _turned("bedside_table", "dining_cabinet")(graph, rng)
-
-
 KINDS: Sequence[FaultKind] = (
     FaultKind("a piece in another", True, "two pieces take one place", "SceneEval", _into_a_piece),
     FaultKind("a piece before a door", True, "the door cannot be used", "SceneEval",
@@ -199,17 +195,17 @@ KINDS: Sequence[FaultKind] = (
               _turned("cabinet", "toilet", "refrigerator")),
     FaultKind("a coffee table out of reach", True, "farther than an arm from the sofa",
               "planning guides", _far_table),
-    FaultKind("a piece in a wall", True, "it stands beyond its room", "PhyScene", _through_a_wall),
-    FaultKind("a picture behind a wardrobe", False, "nobody sees it: it hangs where a tall piece "
-              "stands", "museums hang for a clear view, middle at 145 to 155 cm", _hidden_picture),
+    FaultKind("a piece in a wall", True, "it reaches beyond its room", "PhyScene", _through_a_wall),
+    FaultKind("a picture behind a wardrobe", False, "nobody sees it behind a tall piece",
+              "museums hang for a clear view, middle at 145 to 155 cm", _hidden_picture),
     FaultKind("a picture at the knee", False, "its middle is 45 cm above the floor",
               "museums hang the middle at 145 to 155 cm", _knee_high),
     FaultKind("a cord across the floor", False, "a floor lamp 1.5 m from every wall: people trip "
               "over its cord", "NEC 210.52 has sockets in walls, none in floors", _cord_across),
-    FaultKind("a rug under nothing", False, "no piece stands on it: it slips and groups nothing",
+    FaultKind("a rug under nothing", False, "it lies under no piece: it slips and groups nothing",
               "planning guides: front legs stand on it", _stray_rug),
     FaultKind("a curtain without a window", False, "it hangs before a wall", "common sense",
               _bare_curtain),
     FaultKind("drawers towards the wall", False, "drawers of a low piece cannot be pulled",
-              "common sense", _shut_drawers),
+              "common sense", _turned("bedside_table", "dining_cabinet")),
 )  # fmt: skip

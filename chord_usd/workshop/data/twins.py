@@ -1,6 +1,6 @@
 """Counterfactual twins: a house and edits of it, each with one fault and its place.
 
-A judge of houses must tell the two apart; how often it does, by kind of fault, says what it sees.
+A judge of houses has to rate the two differently; where it does not, it is blind to the fault.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def findings_of(graph: SceneGraph) -> Findings:
 
 def found_by(sound: Findings, twin: Twin) -> dict[str, dict[str, bool]]:
     """Whether each judge finds more in the twin, and finds it at the fault: a new finding that
-    names its piece or lies within 1 m of where that stands."""
+    names the piece or lies within 1 m of it."""
     after = findings_of(twin.graph)
     x, y = twin.after.box.center_m[:2]
     verdicts = {}

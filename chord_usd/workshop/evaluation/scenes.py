@@ -14,9 +14,8 @@ from chord_usd.base.metrics.design import COMPLETE, RIGHT, Design, Judged, desig
 from chord_usd.base.metrics.design.unsaid import FACTS, Fact, Said, Unjudged, unsaid_of
 from chord_usd.base.metrics.scores import SceneScores, Score, mean_of, score_scene, share_of
 from chord_usd.base.scene.types import SceneGraph
-from chord_usd.workshop.data.foreign import Models, foreign_houses
+from chord_usd.workshop.data.foreign import Models, foreign_houses, stages_in
 
-STAGES = (".usda", ".usdc", ".usd", ".usdz")
 ReadStage = Callable[[Path], tuple[Sequence[SceneGraph], bool | None]]
 """The storeys of a stage, and whether its certificate holds; None where it was not certified."""
 MOST_RULES = 5
@@ -59,7 +58,7 @@ def judge_scene(
     """A layout by its storeys. hidden: facts that are not to be used even where they are said, as
     other sets leave them out."""
     unsaid = unsaid_of(graphs) | set(hidden)
-    # What stands in a window's niche is not beyond the room, whatever rules are judged.
+    # Pieces in a window's niche are not beyond the room, whatever rules are judged.
     scores = tuple(score_scene(graph) for graph in graphs)
     graphs = [_without(graph, unsaid) for graph in graphs]
     said = Said(unsaid)
@@ -85,10 +84,9 @@ def judged_sets(
     hidden = tuple(hidden)
     for source in sources:
         scenes, skipped = [], {}
-        for stage in _stages(source):
+        for name, stage in stages_in(source):
             try:
                 graphs, holds = read_stage(stage)
-                name = stage.parent.name if stage.stem == "house" else stage.stem
                 scenes.append(judge_scene(name, graphs, hidden, holds))
             except ChordError as error:
                 skipped[str(stage)] = str(error)
@@ -99,16 +97,6 @@ def judged_sets(
                 else:
                     scenes.append(judge_scene(name, [house], hidden))
         yield SceneSet(str(source), tuple(scenes), skipped)
-
-
-def _stages(source: Path) -> list[Path]:
-    """The stages of a source: itself, houses in a folder or one below, as batches write them."""
-    if source.suffix.lower() in STAGES:
-        return [source]
-    if not source.is_dir():
-        return []
-    here = [path for path in sorted(source.glob("*")) if path.suffix in (".usda", ".usdz")]
-    return here or sorted(source.glob("*/house.usda")) or sorted(source.glob("*/house.usdz"))
 
 
 # --- reports ---------------------------------------------------------------------------------
@@ -143,7 +131,7 @@ def broken_rules(judged: Sequence[Judged]) -> list[tuple[str, int, int]]:
 
 
 def _row(rule: str) -> str:
-    """The row of the table: what a room lacks and what stands wrongly are named with the rule."""
+    """The row of the table: rows "complete" and "right" are followed by names of pieces."""
     return next((row for row in (COMPLETE, RIGHT) if rule.startswith(f"{row}, ")), rule)
 
 
